@@ -40,11 +40,10 @@ class TypedLine:
         for letter in _ESCAPES.sub("", self._decoder.decode(data)):
             if letter in "\r\n":
                 lines.append(self.text)
+            if letter in "\r\n\x15\x17":
                 self.text = ""
             elif letter in "\b\x7f":
                 self.text = self.text[:-1]
-            elif letter in "\x15\x17":
-                self.text = ""
             elif letter.isprintable() or letter == "\t":
                 self.text = (self.text + letter.replace("\t", " "))[:LONGEST_LINE]
         return lines

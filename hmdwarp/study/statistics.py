@@ -94,10 +94,7 @@ def _ends(values: Array, seed: int, resamples: int, level: float) -> tuple[float
 
 
 def _all_resamples(values: Array) -> tuple[Array, Array, float] | None:
-    """Return all means of a resample, their chances, and the chance of less than the mean itself.
-
-    The sum of n has the n-fold convolution of one. None for values on no common grid.
-    """
+    """Return all means of a resample, their chances, and that of less than the mean itself."""
     n, largest = len(values), np.abs(values).max()
     parts = [Fraction(float(value)).limit_denominator(_FINEST) for value in values]
     if any(abs(float(part) - value) > 10.0**-_DIGITS * largest for part, value in zip(parts, values, strict=True)):
@@ -367,10 +364,7 @@ def jod_scores(wins: Array, ties: Array | None = None) -> Scores:
 
 @attrs.frozen(eq=False)
 class _Likelihood:
-    """Log of the posterior density and its derivatives, for a batch of tables at once.
-
-    Scores and threshold are in units of JOD_SPREAD here.
-    """
+    """Log of the posterior density of tables at once; scores in units of JOD_SPREAD."""
 
     won: Array  # (batch, pairs)
     lost: Array

@@ -18,8 +18,7 @@ import threading
 from hmdwarp.display import DisplayOptions
 from hmdwarp.display.desktop import DesktopDisplay
 from hmdwarp.study.design import Ask
-from hmdwarp.study.dialogs.choice_dialogs import QuestionDialog, TextDialog
-from hmdwarp.study.dialogs.dialog_panels import CONTROLS
+from hmdwarp.study.dialogs.dialog_panels import CONTROLS, QuestionDialog, TextDialog
 from hmdwarp.study.scales import load_scale
 
 

@@ -79,7 +79,7 @@ def test_a_condition_shows_each_strategy(tmp_path):
     ]
     with shown(tmp_path, head + "".join(conditions)) as store:
         found = measure_study(store, attrs.evolve(OPTIONS, every=9))
-        assert (found.measured, found.left_out) == (len(strategies.names()), ())
+        assert (found.measured, found.left_out, found.failed) == (len(strategies.names()), (), ())
         measured = measured_of(store)
     assert set(measured) == set(strategies.names())
     assert all(showing["psnr_db"] > 5 for showing in measured.values())

@@ -303,10 +303,9 @@ def compared(
     resampling: Resampling,
     without: Mapping[str, list[str]] = {},
 ) -> list[Row]:
-    """Return all comparisons on a scale.
+    """Return all comparisons on a scale, with Holm's p within the family and over all.
 
-    "holm" is p after Holm's correction within the family, "holm_all" over all comparisons. without:
-    by part, participants to leave out.
+    without: by part, participants to leave out.
     """
     rows = []
     for family, comparison in ((f, one) for f in families for one in f.comparisons):

@@ -22,15 +22,8 @@ from ...options import RATINGS, text_in
 from ...report import counted, listed, raw_text
 from .. import store as stored
 from ..design import ONLY_PART, SHIPPED, Design, Family, every_scale, load_design
-from ..export.export_rows import (
-    CANNOT_SAY,
-    NOT_ASKED,
-    answer_row,
-    of_origin,
-    sessions_of,
-    without_consent,
-)
-from ..export.write import no_sessions
+from ..export import write
+from ..export.write import answer_row, no_sessions, of_origin, sessions_of, without_consent
 from ..scales import PREFERENCE, RATING, Scale, load_scale, scale_names
 from ..store import DATABASE, PERSON, PILOT, Contents, Store
 
@@ -48,8 +41,8 @@ _SESSIONS = {"participant": "", "part": "", "session": 1, "status": "", "why": "
 SETTINGS = ("latency_ms", "warp", "fill", "scene")
 # Why a rating is missing, as exported tables say it, in words.
 _WHY = {
-    CANNOT_SAY: "the participant could not say",
-    NOT_ASKED: "not answered",
+    write.CANNOT_SAY: "the participant could not say",
+    write.NOT_ASKED: "not answered",
     f"session {stored.SICK}": "the stop rule for sickness ended the session before",
     f"session {stored.STOPPED}": "the session was stopped before",
     f"session {stored.INTERRUPTED}": "the session was interrupted and not resumed",
@@ -171,10 +164,7 @@ def _place(settings: Mapping[str, Any]) -> tuple[Any, ...]:
 
 
 def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> Ratings:
-    """Return the ratings of one origin; every session is read by the plan that it ran with.
-
-    A study that does not name its only part has no part's name.
-    """
+    """Return the ratings of one origin, by each session's own plan; a nameless part has no name."""
     kept = of_origin(contents, origin)
     if not kept.sessions:
         raise InputError(no_sessions(contents, origin, "analyse"))
@@ -502,10 +492,7 @@ def name_of(settings: Mapping[str, Any]) -> str:
 
 
 def ratings_from(name: str, store: Path | None, options: SourceOptions) -> Ratings:
-    """Return the ratings of a long table (a file) or of a study's store.
-
-    A shipped study without a store stands for the ratings published with it.
-    """
+    """Return the ratings of a table or of a study's store; published ones where it has none."""
     if not name.endswith(".toml") and Path(name).is_file():
         return from_csv(Path(name), options)
     if name.endswith((".csv", ".tsv", ".txt")):
@@ -523,10 +510,7 @@ def ratings_from(name: str, store: Path | None, options: SourceOptions) -> Ratin
 
 
 def ratings_from_all(names: Sequence[str], store: Path | None, options: SourceOptions) -> Ratings:
-    """Return the ratings of one source, or of several tables, as the exports of several sites.
-
-    These are of one origin and the same scales, and no two have the same session.
-    """
+    """Return the ratings of one source, or of tables of one origin and the same scales."""
     if len(names) == 1:
         return ratings_from(names[0], store, options)
     every, seen = list[Ratings](), dict[tuple[str, str, int], str]()

@@ -223,10 +223,7 @@ def default_of(name: str) -> object:
 
 
 def check_settings(settings: Mapping[str, object], sources: dict[SceneKey, Source]) -> LiveOptions:
-    """Return the options after trying everything that needs no display.
-
-    sources: those opened so far; this one is added. Errors: InputError and its kin.
-    """
+    """Return the options after trying all that needs no display. sources: those opened so far."""
     options = live_options(settings)
     if not options.source_kind.has_head:  # the sizes of recorded frames are known once they are opened
         headset, band = load_headset(options.headset), options.guard_band
@@ -241,10 +238,7 @@ def check_settings(settings: Mapping[str, object], sources: dict[SceneKey, Sourc
 
 
 def resolve_paths(folder: Path, settings: Mapping[str, object], others: Sequence[str] = ()) -> dict[str, object]:
-    """Return the settings with names with _, and paths under the study file's folder.
-
-    others: keys of the same table that are no settings, for hints.
-    """
+    """Return settings with names with _ and whole paths. others: keys of the table, for hints."""
     found: dict[str, object] = {}
     for key, name, value in _named(settings, others):
         found[name] = value
@@ -545,11 +539,7 @@ def scale_at(table: Table, key: str, name: str, folder: Path, *within: int) -> S
 
 
 def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = False) -> tuple[Scale, ...]:
-    """Load the scales of a list.
-
-    questionnaires: whether they belong before or after the session; else they follow each trial,
-    where a questionnaire is short.
-    """
+    """Load the scales of a list: questionnaires before or after, or what follows each trial."""
     names = table.texts(key, ()) if questionnaires else table.texts(key)
     made: list[Scale] = []
     for number, name in enumerate(names):
@@ -648,10 +638,7 @@ def consent_of(data: Table, folder: Path) -> Consent | None:
 
 
 def page_of(data: Table, key: str, title: str, folder: Path, checked: bool) -> Page | None:
-    """Return a page to read, a text or a picture, None without its table.
-
-    checked: False leaves files alone, which may be gone when an old session is exported.
-    """
+    """Return a page to read, None without its table. checked: False leaves its file alone."""
     if key not in data:
         return None
     table = data.table(key)

@@ -86,10 +86,7 @@ def williams(n: int) -> tuple[tuple[int, ...], ...]:
 
 
 def _zigzag(n: int) -> tuple[int, ...]:
-    """Return 0, 1, n-1, 2, n-2, ..
-
-    Neighbours differ by each of 1 .. n-1 once (n even), or by it and its opposite (n odd).
-    """
+    """Return 0, 1, n-1, 2, n-2, ..: neighbours differ by each of 1 .. n-1 (or minus it) once."""
     return tuple((k + 1) // 2 if k % 2 else (n - k // 2) % n for k in range(n))
 
 
@@ -125,10 +122,7 @@ def rows_for(design: Design, part: str) -> tuple[Order, ...]:
 
 
 def _williams_orders(names: tuple[str, ...], repeats: int) -> tuple[Order, ...]:
-    """Return the order that begins with each row of the square.
-
-    The mirrored half of an odd square moves the other way: see _seam_shifts.
-    """
+    """Return the order from each row on; the mirrored half moves back: see _seam_shifts."""
     n, shifts, square, orders = len(names), _seam_shifts(len(names), repeats), williams(len(names)), list[Order]()
     for row in range(len(square)):
         half, place = divmod(row, n)

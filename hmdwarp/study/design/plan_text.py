@@ -194,32 +194,20 @@ def _nth(every: int) -> str:
 
 
 def _phase(step: Step) -> str:
-    match step:
-        case Read():
-            return "consent"
-        case PageStep():
-            return "instructions"
-        case Pause():
-            return "breaks"
-        case Ask(phase="before" | "after" | "practice" as phase):
-            return phase
-        case Show(trial=0):
-            return "practice"
-        case _:
-            return "trials"
+    if isinstance(step, Ask) and step.phase != "trial":
+        return step.phase
+    if isinstance(step, Show | Ask):
+        return "trials" if step.trial else "practice"
+    return {Read: "consent", PageStep: "instructions", Pause: "breaks"}[type(step)]
 
 
 def expected_s(step: Step) -> float:
     """Return the expected duration of a step, and the longest of one that the participant ends."""
-    match step:
-        case Read(text=text):
-            return reading_s(text)
-        case PageStep(page=page):
-            return reading_s(page.text)
-        case Show(seconds=seconds) | Pause(seconds=seconds):
-            return seconds
-        case Ask(scale=scale):
-            return ITEM_S if scale.kind == QUESTIONNAIRE else ANSWER_S
+    if isinstance(step, Show | Pause):
+        return step.seconds
+    if isinstance(step, Ask):
+        return ITEM_S if step.scale.kind == QUESTIONNAIRE else ANSWER_S
+    return reading_s(step.text if isinstance(step, Read) else step.page.text)
 
 
 def reading_s(text: str) -> float:

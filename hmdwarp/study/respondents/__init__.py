@@ -60,8 +60,8 @@ def _within(least: float, most: float, default: Any = 0.0, at: str = "", *, abov
 class RatingModel:
     """Model of the ratings on one scale, in the unit and the direction of that scale.
 
-    Of a preference it is that of what is felt of each of the two, where more is better; in JOD if
-    noise_sd is JOD_SPREAD / sqrt 2. Levels, drift and carry-over do not count in it.
+    Of a preference it is of what is felt of each of the two, more is better, in JOD if noise_sd is
+    JOD_SPREAD / sqrt 2; levels, drift and carry-over do not count in it.
     """
 
     # Latent rating by condition, or a table of them by part, where the parts differ.
@@ -107,10 +107,7 @@ class RatingModel:
 
 @attrs.frozen(kw_only=True)
 class OtherRatings:
-    """Ratings on scales and of conditions that a model does not name.
-
-    All but `missing` are shares of the scale, from its best (0) to its worst (1).
-    """
+    """Other ratings, but `missing` as shares of the scale, from its best (0) to its worst (1)."""
 
     mean: float = _within(0, 1, attrs.NOTHING)  # of a condition
     reference: float = _within(0, 1, attrs.NOTHING)  # of a hidden reference
@@ -285,10 +282,7 @@ class Cohort:
 
 
 class Population:
-    """All that many simulated studies of one part have in common.
-
-    Errors: InputError where the model lacks a scale or a condition of the study.
-    """
+    """What many simulated studies of one part have in common. Errors: InputError."""
 
     def __init__(self, model: Model, design: Design, part: str) -> None:
         self.model, self.design, self.part = model, design, design.part(part)
@@ -412,10 +406,8 @@ PATIENCE_S = 0.5  # until a command without effect is tried again, as people do
 class Simulated:
     """Simulated participant: person_of(code) with the order of the session.
 
-    The same person answers the same, whenever and however often a question is asked: every draw
-    belongs to the person and the question, none to what was asked before. Answers are those of
-    Population(..).of([person], seed, orders=[order]).
-
+    Every draw belongs to the person and the question, none to what was asked before: the answers
+    are those of Population(..).of([person], seed, orders=[order]), however often they are asked.
     Errors: InputError where the model lacks a scale or a condition of the study.
     """
 

@@ -158,10 +158,7 @@ def range_text(answers: Stepped) -> str:
 
 
 def scored(scale: Scale, answers: Mapping[str, float | None]) -> dict[str, float | None]:
-    """Compute every score of the scale from answers by item key; None where an answer is missing.
-
-    Errors: InputError for an unknown item, or an answer outside the scale.
-    """
+    """Compute every score from answers by key, None where one is missing. Errors: InputError."""
     known = {item.key: item for item in scale.items}
     for key, value in answers.items():
         if key not in known:

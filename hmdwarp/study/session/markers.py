@@ -14,10 +14,8 @@ from typing import Any
 
 import attrs
 
-from ...display import Display
 from ...errors import MachineError
 from ...resources import import_extra
-from ...run import OFFSCREEN
 
 EXTRA = "lsl"
 TYPE = "Markers"  # of the stream, by which recorders know it
@@ -61,13 +59,10 @@ class MarkerStream:
     """Stream of markers, each a JSON object with its `event`; one text channel, no fixed rate.
 
     A marker's stamp is the instant it happened, converted to LSL's clock; the clocks are compared
-    anew for each marker, as they may drift. Sending takes some 20 us and never waits for a
-    receiver.
-
-    name: of the stream; its source is named by it too, so that recorders find it again after a
-    crash. about: facts for its description. is_simulated: whether the display's clock advances by
-    refreshes alone: then it is compared once, and stamps are right beside each other only.
-    Errors: as load_lsl.
+    anew for each, as they may drift. Sending takes some 20 us and never waits for a receiver.
+    name: of the stream and its source, by which recorders find it again after a crash. about: facts
+    for its description. is_simulated: whether the display's clock advances by refreshes alone: then
+    it is compared once, and stamps are right beside each other only.
     """
 
     def __init__(
@@ -110,9 +105,3 @@ class MarkerStream:
         reading = ClockReading.of(self._now_ns, self._lsl.local_clock)
         self.error_s = max(self.error_s, reading.error_s)
         return reading
-
-
-def marker_stream(display: Display, name: str, about: Mapping[str, str]) -> MarkerStream:
-    """Return a stream of markers stamped by a display's clock; about: further facts."""
-    facts = {**about, "display": display.name, "rate_hz": f"{display.rate_hz:g}"}
-    return MarkerStream(name, facts, display.now_ns, is_simulated=display.name == OFFSCREEN)

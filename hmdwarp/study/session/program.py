@@ -18,17 +18,16 @@ from ...errors import HmdwarpError, InputError
 from ...pipeline import SceneKey, Source, source_of
 from ...report import counted
 from ...resources import __version__
-from ...run import Driver, Ending, LiveOptions, Watchdog, open_display
+from ...run import OFFSCREEN, Driver, Ending, LiveOptions, Watchdog, open_display
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs.dialog_panels import ACTING_CONTROLS, CONTROLS, hints_for
 from ..line_console import LineConsole
 from ..respondents import Population, Simulated, load_model, person_of
 from ..store import INTERRUPTED, PERSON, PILOT, SIMULATED, Session, Store, store_folder
-from .markers import MarkerStream, load_lsl, marker_stream
+from .markers import MarkerStream, load_lsl
 from .runner import Interrupted, SessionRunner, first_picture_wait_s
 from .session_options import SessionOptions
-from .step_handlers import SessionContext
-from .wording import scene_reacts
+from .step_handlers import SessionContext, scene_reacts
 
 Say = Callable[[str], None]
 
@@ -46,12 +45,11 @@ def run_session(
     Whatever ends it, all answers are in the store, and a session that is not over can be resumed.
 
     say: gets the closing words, and messages from before there is a console. console: None for that
-    of the options. quiet: whether the console of lines only answers commands. on_end: gets the
-    session after the closing words, before the signal that ended it is raised once more; not where
-    an error says it all.
+    of the options; quiet: it only answers commands. on_end: gets the session after the closing
+    words, before the signal that ended it is raised once more; not where an error says it all.
 
-    Errors: InputError for wrong options, before anything is opened; MachineError for what the
-    machine lacks, and for a display that does not come back. Each says how to resume.
+    Errors, which say how to resume: InputError for wrong options, before anything is opened;
+    MachineError for what the machine lacks, and for a display that does not come back.
     """
     design = load_design(options.study)
     # Refuses a display without a head, before there is a store.
@@ -83,9 +81,11 @@ def run_session(
         display = stack.enter_context(closing(open_display(*where, briefly=True)))
         markers = None
         if options.lsl:
-            about = {"study": design.name, "title": design.title}
-            name = f"hmdwarp study {design.name}"
-            markers = stack.enter_context(closing(marker_stream(display, name, about)))
+            about = {"study": design.name, "title": design.title, "display": display.name}
+            about["rate_hz"] = f"{display.rate_hz:g}"
+            how = (f"hmdwarp study {design.name}", about, display.now_ns)
+            markers = MarkerStream(*how, is_simulated=display.name == OFFSCREEN)
+            stack.enter_context(closing(markers))
             console.say(markers.describe())
 
         def runner_of(session: Session) -> SessionRunner:
@@ -267,10 +267,7 @@ PACKAGES = ("numpy", "scipy", "moderngl", "glfw", "pyopenxr", "attrs")
 
 
 def facts_of(display: Display, design: Design, trace: str) -> dict[str, Any]:
-    """Return versions, machine, GPU, display and seed.
-
-    No host, user or folder is named: a session's data may be passed on.
-    """
+    """Return versions, machine, GPU, display and seed: no host, user or folder."""
     gpu, packages = display.gpu, dict[str, str]()
     for name in PACKAGES:
         with suppress(metadata.PackageNotFoundError):

@@ -17,13 +17,11 @@ from ...run import Driver, Ending, Hand, LiveLog, LiveOptions, PipelineHost, Rec
 from ...scenes import ACTIONS, InputBook
 from ..actual import actual_of
 from ..design import Ask, Page, PageStep, Pause, Read, Show, Sickness, Step, reading_s
-from ..dialogs.choice_dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, ConsentDialog, PageDialog
+from ..dialogs import dialog_panels as dialogs
 from ..dialogs.dialog_panels import InputHints, hints_for
 from ..store import COMPLETE, DECLINED, SICK, STOPPED, Answer, Showing
 from . import step_handlers as handlers
-from . import wording
-from .step_handlers import CONFIRMS, LOST, PAUSE, DialogHandler, PanelHandler, SessionContext, StepHandler
-from .wording import HeadRange, step_name
+from .step_handlers import DialogHandler, PanelHandler, SessionContext, StepHandler
 
 BY = "hmdwarp study"
 TIME = "time"  # ended a trial, where no one did
@@ -35,10 +33,7 @@ PATIENCE_S = 30.0  # for the first frame
 
 
 def first_picture_wait_s(latencies_ms: Sequence[float]) -> float:
-    """Return how long frames are under way before the first picture, the same for all trials.
-
-    A wait as long as the latency, or as building the pipeline, would tell the condition.
-    """
+    """Return how long frames are under way first, for all trials, or it tells the condition."""
     return max(latencies_ms, default=0.0) * 1e-3 + SETTLED_S
 
 
@@ -72,7 +67,7 @@ class TrialHandler(StepHandler):
         super().__init__(context, step)
         self._hand = hand
         self._panel_ns, self._log, self._wait_s, self._showing = panel_ns, log, wait_s, showing
-        self.head = HeadRange()  # of the pictures so far
+        self.head = handlers.HeadRange()  # of the pictures so far
         self._onset_s: float | None = None
         self._arrived = self._is_done = self._told = False
         self._restarted_ns: int | None = None
@@ -91,7 +86,7 @@ class TrialHandler(StepHandler):
 
     def label(self) -> Label:
         hints = hints_for(self.context.display.name)
-        return "" if self.pictures else wording.number_panel(self.step, self.context.steps, hints)
+        return "" if self.pictures else handlers.number_panel(self.step, self.context.steps, hints)
 
     def arrived(self, refresh: Refresh) -> None:
         """Start the trial's time at its first picture."""
@@ -125,7 +120,7 @@ class TrialHandler(StepHandler):
             elif command.hand is None and not self._told:  # nothing may stand over the picture
                 self._told = True
                 self.context.console.say(f"{command.control}: the scene of this trial does not react to what people do")
-        if self._first_ns is None or command.control not in CONFIRMS:
+        if self._first_ns is None or command.control not in handlers.CONFIRMS:
             return
         if self.step.until_done:
             self.by, self._is_done = by, True
@@ -151,7 +146,7 @@ class TrialHandler(StepHandler):
     def on_display_lost(self, why: str) -> None:
         """End the trial; it is shown again, as a rating must be about an undisturbed one."""
         super().on_display_lost(why)
-        self.interrupt = LOST
+        self.interrupt = handlers.LOST
 
     def describe(self) -> Mapping[str, Any]:
         """Return the times and the frame rate; the age of frames would tell the condition."""
@@ -251,7 +246,7 @@ class SessionRunner:
                 self._wait_until_ready(first, None)  # the other steps do so themselves
             for step in self._undone():
                 if self.context.break_due and not (isinstance(step, Ask) and step.about):
-                    self._rest(Pause(wording.REQUESTED_BREAK, 0.0))
+                    self._rest(Pause(handlers.REQUESTED_BREAK, 0.0))
                 self._do(step)
         except Over as over:
             return over.status
@@ -261,8 +256,8 @@ class SessionRunner:
         return [step for step in self.context.steps if step.key not in self.context.done]
 
     def _wait_until_ready(self, next_step: Step, own: Page | None) -> None:
-        panel = wording.ready_panel(next_step, self.context.steps, self.resumed, self.hints, own)
-        self._pursue(lambda: handlers.ConfirmHandler(self.context, Read(wording.READY, ""), panel))
+        panel = handlers.ready_panel(next_step, self.context.steps, self.resumed, self.hints, own)
+        self._pursue(lambda: handlers.ConfirmHandler(self.context, Read(handlers.READY, ""), panel))
 
     def farewell(self, status: str) -> None:
         """Show the last panel. All is stored by now: an error here no longer matters."""
@@ -270,8 +265,11 @@ class SessionRunner:
         seconds = FAREWELL_S if own is None else reading_s(own.text)
         how: dict[str, Any] = {"seconds": seconds, "phase": "over", "may_close": own is not None}
         with suppress(Closed, Exception):
-            panel = wording.farewell_panel(status, own, self.hints)
-            self.driver.run(PanelHandler(self.context, Read(wording.END, ""), panel, **how))
+            if own is None:
+                panel = dialogs.message_panel(*handlers.FAREWELL[status])
+            else:
+                panel = handlers.page_panel(own, f"{self.hints.confirm}: close", own.text)
+            self.driver.run(PanelHandler(self.context, Read(handlers.END, ""), panel, **how))
 
     # --- steps ---
 
@@ -281,7 +279,7 @@ class SessionRunner:
                 self._read(step)
             case PageStep():
                 page = step.page
-                dialog = partial(PageDialog, page.title, page.text, self.hints, page.picture)
+                dialog = partial(dialogs.PageDialog, page.title, page.text, self.hints, page.picture)
                 self._pursue(lambda: DialogHandler(self.context, step, dialog(), phase="waiting"))
                 self._finish(step)
             case Show():
@@ -297,7 +295,7 @@ class SessionRunner:
                 self._finish(step)
 
     def _read(self, step: Read) -> None:
-        dialog = partial(ConsentDialog, step.text, self.hints)
+        dialog = partial(dialogs.ConsentDialog, step.text, self.hints)
         handler = self._pursue(lambda: DialogHandler(self.context, step, dialog(), phase="reading"))
         if handler.dialog.refused:
             self.context.record("refused", step, by=handler.by)
@@ -320,7 +318,7 @@ class SessionRunner:
             if context.markers is not None and not context.markers.are_received:
                 say("no program receives the markers: start the recorder")
             panel_ns = context.display.now_ns()
-            panel = wording.number_panel(step, context.steps, self.hints)
+            panel = handlers.number_panel(step, context.steps, self.hints)
             self._drive(PanelHandler(context, step, panel, refreshes=PANEL_REFRESHES))
             showing, handler = self._run_trial(step, panel_ns)
             context.shown = step
@@ -328,13 +326,14 @@ class SessionRunner:
             self._just_seen = step.key if showing.complete else ""
             if showing.complete:
                 break
-            if handler.interrupt != LOST:
+            if handler.interrupt != handlers.LOST:
                 self._between(handler.interrupt, step)
-            say(f"{step_name(step, context.steps)}: shown again, from its start")
+            say(f"{handlers.step_name(step, context.steps)}: shown again, from its start")
         context.done.add(step.key)
         self.seen[step.key] = showing
-        if handler.head.is_still:
-            say(f"{step_name(step, context.steps)}: {wording.still_text(handler.head)}")
+        if (head := handler.head).is_still:
+            moved = f"the head hardly moved ({head.turn_deg:.1f} degrees, {head.shift_m * 100:.1f} cm)"
+            say(f"{handlers.step_name(step, context.steps)}: {moved}: what was rated is almost a still picture")
 
     def _show_of(self, key: str) -> Show:
         shown = next(step for step in self.context.steps if step.key == key)
@@ -342,10 +341,7 @@ class SessionRunner:
         return shown
 
     def _run_trial(self, step: Show, panel_ns: int) -> tuple[Showing, TrialHandler]:
-        """Run a trial from the black before it (panel_ns: since when) to its end.
-
-        The showing is then in the store, also, as incomplete, when an error leaves it.
-        """
+        """Run a trial from its black (since panel_ns); the showing is in the store then."""
         context = self.context
         options = self.options_of(step)
         source = self.sources[options.scene_key]
@@ -400,7 +396,7 @@ class SessionRunner:
         text = step.scale.words_for(step.item, answer.value, answer.text) or (
             "left unanswered" if answer.value is None else f"{answer.value:g}"
         )
-        name = step_name(step, context.steps)
+        name = handlers.step_name(step, context.steps)
         where = f"{name}, {step.scale.title}" if step.about else name
         context.console.say(f"{where}: {text}" + (" (answered again)" if answer.revision > 1 else ""))
         rule = context.design.sickness
@@ -424,18 +420,20 @@ class SessionRunner:
             self._drive(handler)
             if not handler.interrupt:
                 return handler
-            if self._between(handler.interrupt, handler.step) == SKIP and isinstance(handler, handlers.QuestionHandler):
+            if self._between(handler.interrupt, handler.step) == dialogs.SKIP and isinstance(
+                handler, handlers.QuestionHandler
+            ):
                 handler.leave_unanswered()
                 return handler
 
     def _between(self, interrupt: str, step: Step) -> str:
         """Do what an interrupt requests. Returns what was done."""
-        chosen = self._menu(step) if interrupt == PAUSE else interrupt
-        if chosen == STOP:
+        chosen = self._menu(step) if interrupt == handlers.PAUSE else interrupt
+        if chosen == dialogs.STOP:
             raise Over(STOPPED)
-        if chosen == BREAK:
-            self._rest(Pause(wording.REQUESTED_BREAK, 0.0))
-        elif chosen == AGAIN:
+        if chosen == dialogs.BREAK:
+            self._rest(Pause(handlers.REQUESTED_BREAK, 0.0))
+        elif chosen == dialogs.AGAIN:
             if self.answered is None:
                 self.context.console.say("nothing has been answered yet")
             elif not self._asking_again:
@@ -448,14 +446,14 @@ class SessionRunner:
 
     def _menu(self, step: Step) -> str:
         offers = {
-            CONTINUE: True,
-            BREAK: not isinstance(step, Pause),
-            AGAIN: self.answered is not None and not self._asking_again,
-            SKIP: isinstance(step, Ask),
-            STOP: True,
+            dialogs.CONTINUE: True,
+            dialogs.BREAK: not isinstance(step, Pause),
+            dialogs.AGAIN: self.answered is not None and not self._asking_again,
+            dialogs.SKIP: isinstance(step, Ask),
+            dialogs.STOP: True,
         }
         offered = [name for name, is_offered in offers.items() if is_offered]
-        handler = handlers.MenuHandler(self.context, Pause(wording.MENU, 0.0), offered, step)
+        handler = handlers.MenuHandler(self.context, Pause(handlers.MENU, 0.0), offered, step)
         self._drive(handler)
         return handler.dialog.chosen
 
@@ -469,16 +467,16 @@ class SessionRunner:
 
     def _end_if_sick(self) -> None:
         """End the session at the stop rule, after the last questions, but for a slip."""
-        context, rule = self.context, Read(wording.STOP_RULE, "")
+        context, rule = self.context, Read(handlers.STOP_RULE, "")
         if self._is_sick or not self._why_sick():
             return
         try:
             while why := self._why_sick():
-                context.record(wording.STOP_RULE, rule, why=why)
+                context.record(handlers.STOP_RULE, rule, why=why)
                 context.console.say(f"the stop rule: {why}")
                 self.why = why
                 last = [step for step in self._undone() if isinstance(step, Ask) and step.phase == AFTER]
-                handler = handlers.ConfirmHandler(context, rule, wording.sick_panel(bool(last), self.hints))
+                handler = handlers.ConfirmHandler(context, rule, handlers.sick_panel(bool(last), self.hints))
                 self._drive(handler)
                 if not handler.interrupt:
                     self._is_sick = True

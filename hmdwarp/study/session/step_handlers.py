@@ -1,26 +1,31 @@
-"""What all steps of a session share, and what each shows at a refresh and does at a command."""
+"""What all steps of a session share, what each shows at a refresh and does at a command.
+
+Names of steps, and panels between them; none of it tells a condition.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Generic, Protocol, TypeVar
 
 import attrs
 
 from ...display import Command, Display, Label, Status
+from ...geometry import Pose
 from ...pipeline import Refresh
 from ...poses import Origin, PoseSample
 from ...run import FrameHandler
-from ..design import PARTICIPANT as BLIND_TO_PARTICIPANT
-from ..design import UNBLINDED, Ask, Design, Pause, Read, Show, Step
-from ..dialogs.choice_dialogs import BreakDialog, MenuDialog, QuestionDialog, TextDialog
-from ..dialogs.dialog_panels import MessagePanel, hints_for
+from ...scenes import scenes
+from .. import design
+from ..design import Ask, Condition, Design, Page, PageStep, Pause, Read, Show, Step
+from ..dialogs import dialog_panels as dialogs
+from ..dialogs.dialog_panels import InputHints, MessagePanel, hints_for, message_panel, trial_panel
 from ..line_console import ConsoleState, LineConsole
 from ..respondents import Simulated
 from ..scales import WORDS
-from ..store import PILOT, SIMULATED, Session, Store
+from ..store import COMPLETE, DECLINED, PILOT, SICK, SIMULATED, STOPPED, UNCONSENTED, Session, Store
 from .markers import MarkerStream
-from .wording import step_name
 
 PARTICIPANT, EXPERIMENTER, RESPONDENT = "participant", "experimenter", "simulated"  # who sends commands
 # Why a step ends before its time, by the command that requests it.
@@ -30,6 +35,118 @@ BREAK, REMARK = "break", "remark"  # the first waits for the end of the trial, t
 CONFIRMS = frozenset({"confirm", "agree", "continue"})
 TELL_NS = 200_000_000  # between two states for the console
 TRACKING_LOST = "tracking lost"
+
+
+# Below both, a trial counts as one in which the head hardly moved. A head that is held still sways
+# by some 2 degrees and 2 cm; one that looks around turns by tens of degrees within seconds. A warp
+# has next to nothing to correct below these, whatever the latency.
+STILL_DEG, STILL_M = 5.0, 0.05
+
+
+@attrs.define
+class HeadRange:
+    """Largest distances of a head from where it was first."""
+
+    turn_deg: float = 0.0
+    shift_m: float = 0.0
+    _first: Pose | None = None
+
+    def add(self, head: PoseSample) -> None:
+        """Take a head; one held because tracking was lost is no motion."""
+        if head.origin is Origin.HELD:
+            return
+        pose = head.pose
+        if self._first is None:
+            self._first = pose
+            return
+        near = abs(sum(a * b for a, b in zip(pose.unit_quaternion, self._first.unit_quaternion, strict=True)))
+        self.turn_deg = max(self.turn_deg, math.degrees(2 * math.acos(min(near, 1.0))))
+        self.shift_m = max(self.shift_m, math.dist(pose.position_m, self._first.position_m))
+
+    @property
+    def is_still(self) -> bool:
+        return self.turn_deg < STILL_DEG and self.shift_m < STILL_M
+
+    def figures(self) -> dict[str, float | bool | None]:
+        """Return the figures of study/actual.py; None throughout where no head was seen."""
+        if self._first is None:
+            return {"head_turn_deg": None, "head_shift_m": None, "head_still": None}
+        return {"head_turn_deg": self.turn_deg, "head_shift_m": self.shift_m, "head_still": self.is_still}
+
+
+# Keys of what comes between the steps.
+READY, MENU, REQUESTED_BREAK, STOP_RULE, END = ("ready", "menu", "asked-break", "sick", "end")
+_NO_PART = ("Thank you", "You are not taking part. Nothing was asked or shown.")
+FAREWELL = {
+    COMPLETE: ("Thank you", "That was all. You may take off the headset."),
+    STOPPED: ("Thank you", "The session has ended. What you answered is kept."),
+    DECLINED: _NO_PART,
+    UNCONSENTED: _NO_PART,
+    SICK: ("Thank you", "The session has ended. Take your time, have some water, and tell us how you feel."),
+}
+
+
+def step_name(step: Step, steps: Sequence[Step]) -> str:
+    """Return "trial 3 of 12", and the like."""
+    if isinstance(step, Pause):
+        return "break"
+    if isinstance(step, PageStep):
+        return "instructions"
+    if isinstance(step, Read):
+        names = {READY: "about to begin", STOP_RULE: "the session ends", END: "session finished"}
+        return names.get(step.key, "consent")
+    if isinstance(step, Ask) and not step.about:
+        items, title = step.scale.items, step.scale.title
+        return title if len(items) == 1 else f"{title}, item {items.index(step.item) + 1} of {len(items)}"
+    turn = f", {step.turn}" if isinstance(step, Show) and step.turn else ""
+    return f"trial {step.trial} of {_trials(steps)}{turn}" if step.trial else "practice"
+
+
+def ready_panel(
+    next_step: Step, steps: Sequence[Step], resumed: bool, hints: InputHints, own: Page | None = None
+) -> MessagePanel:
+    """Make the panel before the first step, and the first trial. own: the plan's words."""
+    next_name = "a break" if isinstance(next_step, Pause) else step_name(next_step, steps)
+    resumes = f"We go on with {next_name}. " if resumed else ""
+    look = f"{hints.look} " if isinstance(next_step, Show) else ""
+    begin = f"{hints.confirm}: begin"
+    if own is not None:
+        keys = f"{look}{hints.menu}: menu, break, stop\n{begin}"
+        return page_panel(own, keys, f"{resumes}{own.text}")
+    menu = f"{hints.menu} opens a menu at any time: to have a break, or to stop without a reason."
+    return message_panel("Ready?", f"{resumes}Sit comfortably. {look}{menu}", begin)
+
+
+def scene_reacts(condition: Condition) -> bool:
+    """Return whether the scene of a trial reacts to what people do."""
+    name = condition.settings.get("scene")
+    return name in scenes.names() and scenes.get(str(name)).reacts is not None
+
+
+def number_panel(step: Show, steps: Sequence[Step], hints: InputHints) -> MessagePanel:
+    """Make the panel before a trial; it says what to do in one, or how to end it."""
+    reacts = scene_reacts(step.condition)
+    confirm = (reacts and hints.done) or hints.confirm
+    hint = f"Look around as long as you like. {confirm}: done" if step.until_done else ""
+    return trial_panel(step.trial, _trials(steps), f"{hint}\n{hints.act if reacts else ''}".strip(), step.turn)
+
+
+def sick_panel(asks_after: bool, hints: InputHints) -> MessagePanel:
+    """Make the panel that the stop rule shows in place of the next trial."""
+    left = "A few questions are left, if you like; each may be left out."
+    text = "You do not feel well enough to go on, so this is the last of it. "
+    text += left if asks_after else "There is nothing more to do."
+    return message_panel("We stop here", text, f"{hints.confirm}: go on · {hints.menu}: menu")
+
+
+def page_panel(page: Page, hint: str, text: str) -> MessagePanel:
+    """Make the panel of a page without buttons."""
+    return attrs.evolve(message_panel(page.title, text, hint), picture=page.picture)
+
+
+def _trials(steps: Sequence[Step]) -> int:
+    """Count the trials, without the practice."""
+    return max((step.trial for step in steps if isinstance(step, Show)), default=0)
 
 
 @attrs.define(eq=False)
@@ -60,7 +177,7 @@ class SessionContext:
     @property
     def tells_condition(self) -> bool:
         """Whether the experimenter may know the condition."""
-        return self.design.blind in (BLIND_TO_PARTICIPANT, UNBLINDED)
+        return self.design.blind in (design.PARTICIPANT, design.UNBLINDED)
 
     @property
     def elapsed_s(self) -> float:
@@ -107,10 +224,7 @@ class SessionContext:
         self.display.show_status(Status(heading=self.title(step)))
 
     def tell(self, step: Step, describe: Callable[[], Mapping[str, Any]], *, looks: bool = True) -> None:
-        """Tell the console a few times a second. describe: returns fields of ConsoleState.
-
-        looks: whether to ask for the head, as no frame did. Errors: Lost.
-        """
+        """Tell the console a few times a second. looks: asks for the head, as no frame did."""
         now_ns = self.display.now_ns()
         if self._state_ns is not None and now_ns - self._state_ns < TELL_NS:
             return
@@ -131,10 +245,7 @@ class SessionContext:
 
 
 class StepHandler(FrameHandler):
-    """Refreshes that belong to one step, and the commands that every step knows.
-
-    An interrupt is in the journal before it has effect.
-    """
+    """Refreshes of one step; an interrupt is in the journal before it has effect."""
 
     pictures = False
     phase = ""  # as in ConsoleState
@@ -243,14 +354,18 @@ class DialogHandler(StepHandler, Generic[D]):
             self.by, self.seconds = by, self.elapsed_s
 
 
-class QuestionHandler(DialogHandler[QuestionDialog | TextDialog]):
+class QuestionHandler(DialogHandler[dialogs.QuestionDialog | dialogs.TextDialog]):
     """Question. again: whether it was asked before."""
 
     phase = "asking"
 
     def __init__(self, context: SessionContext, ask: Ask, again: bool = False) -> None:
         hints, is_text = hints_for(context.display.name), ask.item.answer == WORDS
-        dialog = TextDialog(ask, hints, again) if is_text else QuestionDialog(ask, context.now_s, hints, again)
+        dialog = (
+            dialogs.TextDialog(ask, hints, again)
+            if is_text
+            else dialogs.QuestionDialog(ask, context.now_s, hints, again)
+        )
         super().__init__(context, ask, dialog)
 
     def leave_unanswered(self) -> None:
@@ -265,14 +380,14 @@ class QuestionHandler(DialogHandler[QuestionDialog | TextDialog]):
         return {"phase": self.phase, "question": self.dialog.question()}
 
 
-class BreakHandler(DialogHandler[BreakDialog]):
+class BreakHandler(DialogHandler[dialogs.BreakDialog]):
     """Break. until_ns: when it may end, on the display's clock."""
 
     phase = "break"
 
     def __init__(self, context: SessionContext, pause: Pause, until_ns: int) -> None:
         left_s = max(0.0, (until_ns - context.display.now_ns()) * 1e-9)
-        super().__init__(context, pause, BreakDialog(left_s, context.now_s, hints_for(context.display.name)))
+        super().__init__(context, pause, dialogs.BreakDialog(left_s, context.now_s, hints_for(context.display.name)))
 
     def receive(self, by: str, command: Command) -> None:
         """Ignore a request for a break within a break."""
@@ -283,13 +398,13 @@ class BreakHandler(DialogHandler[BreakDialog]):
         return {"phase": self.phase, "left_s": self.dialog.left_s}
 
 
-class MenuHandler(DialogHandler[MenuDialog]):
+class MenuHandler(DialogHandler[dialogs.MenuDialog]):
     """Menu, which the experimenter's pause opens too. during: the interrupted step."""
 
     phase = "paused"
 
     def __init__(self, context: SessionContext, pause: Pause, offered: Sequence[str], during: Step) -> None:
-        super().__init__(context, pause, MenuDialog(offered, hints_for(context.display.name)), during)
+        super().__init__(context, pause, dialogs.MenuDialog(offered, hints_for(context.display.name)), during)
 
     def receive(self, by: str, command: Command) -> None:
         """Pass every command to the menu; the choice is in the journal before it has effect."""

@@ -1,8 +1,8 @@
+from .database import COPY as COPY
+from .database import DATABASE as DATABASE
+from .database import folder_to_read as folder_to_read
+from .database import store_folder as store_folder
 from .erasing import BEYOND as BEYOND
-from .folders import COPY as COPY
-from .folders import DATABASE as DATABASE
-from .folders import folder_to_read as folder_to_read
-from .folders import store_folder as store_folder
 from .records import COMPLETE as COMPLETE
 from .records import DECLINED as DECLINED
 from .records import INTERRUPTED as INTERRUPTED

@@ -22,10 +22,7 @@ from .records import COMPLETE, INTERRUPTED, PERSON, PILOT, RUNNING, SIMULATED, S
 
 
 def plan_signature(design: Design, part: str) -> dict[str, Any]:
-    """Return what may not change within a study, as JSON data.
-
-    Titles, comments, breaks, the consent, families, other parts and the file's folder may.
-    """
+    """Return, as JSON data, what may not change within a study."""
     folder = f"{Path(design.path).parent.absolute()}{os.sep}"
     practice, rule = design.practice, design.sickness
     stops = rule and {"every": rule.every, "stop_at": rule.stop_at, "rise": rule.rise}

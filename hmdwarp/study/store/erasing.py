@@ -20,8 +20,7 @@ import attrs
 from ...errors import HmdwarpError, InputError, MachineError
 from ...report import counted, sync
 from .admission import check_code
-from .database import transaction, translated
-from .folders import DATABASE, TRACES, erase_copies, overwrite
+from .database import DATABASE, TRACES, erase_copies, overwrite, transaction, translated
 
 BEYOND = "Earlier exports, reports, copies and backups still hold these data: delete them by hand."
 

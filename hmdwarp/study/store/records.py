@@ -15,10 +15,7 @@ import attrs
 
 
 def to_json(data: Mapping[str, Any]) -> str:
-    """Encode data; NaN and infinite numbers become null, NumPy's numbers and arrays plain ones.
-
-    Errors: TypeError for other objects.
-    """
+    """Encode data; NaN and infinite numbers become null, NumPy's plain. Errors: TypeError."""
     return json.dumps(_plain(data), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
@@ -217,12 +214,16 @@ def passed_s(db: sqlite3.Connection, id_: int) -> tuple[float, bool]:
     return passed, counts_all
 
 
-def session(db: sqlite3.Connection, id_: int) -> Session:
-    """Return the session of that id. Errors: KeyError."""
-    row = db.execute(f"{_SESSION} WHERE s.id = ?", (id_,)).fetchone()
+def _one(db: sqlite3.Connection, query: str, id_: int) -> tuple[Any, ...]:
+    row: tuple[Any, ...] | None = db.execute(f"{query} = ?", (id_,)).fetchone()
     if row is None:
         raise KeyError(id_)
-    return _session_of(row)
+    return row
+
+
+def session(db: sqlite3.Connection, id_: int) -> Session:
+    """Return the session of that id. Errors: KeyError."""
+    return _session_of(_one(db, f"{_SESSION} WHERE s.id", id_))
 
 
 def sessions_of(db: sqlite3.Connection, code: str) -> list[Session]:
@@ -232,16 +233,13 @@ def sessions_of(db: sqlite3.Connection, code: str) -> list[Session]:
 
 
 def answer(db: sqlite3.Connection, id_: int) -> Answer:
-    """Return the answer of that id."""
-    return Answer(*db.execute(f"{_ANSWER} WHERE id = ?", (id_,)).fetchone())
+    """Return the answer of that id. Errors: KeyError."""
+    return Answer(*_one(db, f"{_ANSWER} WHERE id", id_))
 
 
 def showing(db: sqlite3.Connection, id_: int) -> Showing:
     """Return the showing of that id. Errors: KeyError."""
-    row = db.execute(f"{_SHOWING} WHERE id = ?", (id_,)).fetchone()
-    if row is None:
-        raise KeyError(id_)
-    return _showing_of(row)
+    return _showing_of(_one(db, f"{_SHOWING} WHERE id", id_))
 
 
 def last_answers(db: sqlite3.Connection, session_id: int) -> tuple[Answer, ...]:

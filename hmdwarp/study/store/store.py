@@ -20,44 +20,20 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 from ...errors import HmdwarpError, InputError
 from ...report import keep_private
 from ...resources import __version__
 from ..design import Ask, Design, Show
-from . import admission, database, folders, records
-from .database import transaction, translated
+from . import admission, database, records
+from .database import DATABASE, TRACES, Lock, transaction, translated
 from .erasing import Holdings, erase, finish_erasing, known
-from .folders import DATABASE, TRACES, Lock
-from .records import (
-    DECLINED,
-    INTERRUPTED,
-    RUNNING,
-    STATUSES,
-    STOPPED,
-    UNCONSENTED,
-    Answer,
-    Contents,
-    Session,
-    Showing,
-    clean,
-    to_json,
-)
-
-
-class Clock(Protocol):
-    """Time of day, which may be set back, and time since boot, which never is."""
-
-    def utc(self) -> datetime:
-        """Return the time of day, with a time zone."""
-
-    def mono_ns(self) -> int:
-        """Return nanoseconds since some instant."""
+from .records import Answer, Contents, Session, Showing, clean, to_json
 
 
 class MachineClock:
-    """The machine's own clock."""
+    """Time of day, which may be set back, and nanoseconds since boot, which never are."""
 
     def utc(self) -> datetime:
         return datetime.now(UTC)
@@ -93,9 +69,9 @@ class Store:
         create: bool = False,
         study: str | None = None,
         say: Callable[[str], None] = lambda text: None,
-        clock: Clock | None = None,
+        clock: MachineClock | None = None,
     ) -> None:
-        """Open the store of a folder, see folders.store_folder.
+        """Open the store of a folder, see database.store_folder.
 
         create: create it when the first session begins; a refused session leaves no folder behind.
         study: name that the store must have; None for any. say: receives notes for the user.
@@ -162,7 +138,7 @@ class Store:
         part = admission.chosen_part(design, part)
         if not self.name:
             admission.check_first(code, new_session)
-            folders.check_place(self.folder)
+            database.check_place(self.folder)
             return
         self._take_lock(design.name)
         with suppress(_Undone), self._write() as db:
@@ -186,7 +162,9 @@ class Store:
         self._take_lock()
         with self._write() as db:
             session = admission.to_resume(db, code, part)
-            db.execute("UPDATE session SET status = ?, ended_utc = '', why = '' WHERE id = ?", (RUNNING, session.id))
+            db.execute(
+                "UPDATE session SET status = ?, ended_utc = '', why = '' WHERE id = ?", (records.RUNNING, session.id)
+            )
             self._event(session, "resume", data=facts or {})
             if not records.passed_s(db, session.id)[1]:
                 self._say(
@@ -201,19 +179,19 @@ class Store:
         why: in words. DECLINED needs "refused" in the journal; a session that is STOPPED before its
         consent was given is returned as UNCONSENTED.
         """
-        if status not in STATUSES or status in (RUNNING, UNCONSENTED):
+        if status not in records.STATUSES or status in (records.RUNNING, records.UNCONSENTED):
             raise ValueError(f"a session does not end as {status!r}")
         with self._running(session) as db:
             self._event(session, "end", data={"status": status, "why": why})
             now = self._now()
             db.execute(
                 "UPDATE session SET status = ?, ended_utc = ?, why = ? WHERE id = ?",
-                (STOPPED if status == DECLINED else status, now, clean(why), session.id),
+                (records.STOPPED if status == records.DECLINED else status, now, clean(why), session.id),
             )
             ended = records.session(db, session.id)
-            if (ended.status == DECLINED) != (status == DECLINED):
+            if (ended.status == records.DECLINED) != (status == records.DECLINED):
                 raise ValueError(f"a session cannot end as {status!r}: its journal says {ended.status!r}")
-        self._copy(told=status != INTERRUPTED)  # what interrupted it, such as a full disk, has its own line
+        self._copy(told=status != records.INTERRUPTED)  # what interrupted it, such as a full disk, has its own line
         return ended
 
     def record(self, session: Session, kind: str, key: str = "", **data: Any) -> None:
@@ -228,10 +206,7 @@ class Store:
     def begin_showing(
         self, session: Session, step: Show, settings: Mapping[str, Any], recorded: bool = True
     ) -> Showing:
-        """Record a showing before its first picture; it stays, incomplete, if the program dies.
-
-        recorded: there will be a trace, at traces / showing.trace, a name that is never reused.
-        """
+        """Record a showing before its first picture. recorded: there will be a trace."""
         with self._running(session) as db:
             query = "SELECT coalesce(max(presentation), 0) + 1 FROM showing WHERE session = ? AND key = ?"
             presentation = db.execute(query, (session.id, step.key)).fetchone()[0]
@@ -247,7 +222,7 @@ class Store:
 
     def end_showing(self, session: Session, showing: Showing, actual: Mapping[str, Any], complete: bool) -> Showing:
         """Record the end of a showing, after its trace is closed; a missing file is no trace."""
-        trace = showing.trace if showing.trace and folders.sync_trace(self.traces / showing.trace) else ""
+        trace = showing.trace if showing.trace and database.sync_trace(self.traces / showing.trace) else ""
         with self._running(session) as db:
             values = (int(complete), to_json(actual), trace, showing.id, session.id)
             db.execute("UPDATE showing SET complete = ?, actual = ?, trace = ? WHERE id = ? AND session = ?", values)
@@ -296,10 +271,7 @@ class Store:
             return {key for (key,) in self._db.execute(query, {"id": session.id})}
 
     def passed_s(self, session: Session) -> float:
-        """Return the time from a session's beginning to its last entry.
-
-        Between two runs of the program by the time of day, unless that was set back meanwhile.
-        """
+        """Return the time since a session began, less gaps over which the clock was set back."""
         with translated(self._path):
             return records.passed_s(self._db, session.id)[0]
 
@@ -346,7 +318,7 @@ class Store:
             }
         files = [path for path in self.traces.glob(f"*{sub}*") if path.is_file()]
         size = sum(path.stat().st_size for path in files)
-        return Holdings(code, sub, **counted, traces=folders.count_of_traces(files), bytes=size)
+        return Holdings(code, sub, **counted, traces=database.count_of_traces(files), bytes=size)
 
     def finish_withdrawal(self, code: str) -> bool:
         """Return whether an interrupted withdrawal of this participant ended just now."""
@@ -400,7 +372,7 @@ class Store:
         if self._lock is not None:
             return False
         if self._create and study:
-            folders.make_folders(self.folder)
+            database.make_folders(self.folder)
         else:
             _ = self._db  # there must be one
         keep_private(self.folder, *self.folder.rglob("*"))
@@ -422,16 +394,16 @@ class Store:
         for code in self._finished:
             self._say(f"the withdrawal of participant {code} was interrupted; it is finished now")
             self._copy()
-        died = [id_ for (id_,) in self._db.execute("SELECT id FROM session WHERE status = ?", (RUNNING,))]
+        died = [id_ for (id_,) in self._db.execute("SELECT id FROM session WHERE status = ?", (records.RUNNING,))]
         with self._write() as db:
             for id_ in died:
                 self._event(records.session(db, id_), "interrupted", data={"why": "the program died"})
-                db.execute("UPDATE session SET status = ? WHERE id = ?", (INTERRUPTED, id_))
+                db.execute("UPDATE session SET status = ? WHERE id = ?", (records.INTERRUPTED, id_))
 
     def _copy(self, *, told: bool = True) -> None:
         """Renew the copy; that it fails costs no session. told: whether it says so."""
         try:
-            folders.write_copy(self._db, self.folder)
+            database.write_copy(self._db, self.folder)
         except (sqlite3.Error, OSError) as error:
             if told:
                 self._say(f"the store's copy could not be renewed ({error}); everything is in the store itself")
@@ -456,7 +428,7 @@ class Store:
         """Open a transaction of a running session. Errors: HmdwarpError where it is over."""
         with self._write() as db:
             now = records.session(db, session.id)
-            if now.status != RUNNING:
+            if now.status != records.RUNNING:
                 raise HmdwarpError(
                     f"session {now.number} of participant {now.code} is {now.status}: nothing more can be stored in it"
                 )

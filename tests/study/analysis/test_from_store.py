@@ -21,8 +21,7 @@ from hmdwarp.study.analysis.findings import claims_for
 from hmdwarp.study.analysis.full_analysis import analyse, analysis_folder, write_analysis
 from hmdwarp.study.analysis.long_table import Ratings, SourceOptions, from_contents, from_csv
 from hmdwarp.study.design import Comparison, Family, design_from_text, load_design
-from hmdwarp.study.export.export_rows import without_consent
-from hmdwarp.study.export.write import ExportOptions, export
+from hmdwarp.study.export.write import ExportOptions, export, without_consent
 from hmdwarp.study.scales import FOLDER as SCALES
 from hmdwarp.study.scales import load_scale
 from hmdwarp.study.store import COMPLETE, PERSON, PILOT, SIMULATED, Store

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.display import Command
 from hmdwarp.study.design import Ask
-from hmdwarp.study.dialogs.choice_dialogs import QuestionDialog
-from hmdwarp.study.dialogs.dialog_panels import KEYS, InputHints
+from hmdwarp.study.dialogs.dialog_panels import KEYS, InputHints, QuestionDialog
 from hmdwarp.study.scales import Item, Scale, load_scale, scale_names
 
 SHIPPED = [scale for scale in map(load_scale, scale_names()) if scale.has_answers]

@@ -23,26 +23,24 @@ from hmdwarp.display.present import KEPT
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
 from hmdwarp.study.design import Ask
-from hmdwarp.study.dialogs.choice_dialogs import (
+from hmdwarp.study.dialogs.dialog_panels import (
     AGAIN,
     BREAK,
     CONTINUE,
-    STOP,
-    BreakDialog,
-    ConsentDialog,
-    MenuDialog,
-    QuestionDialog,
-    TextDialog,
-)
-from hmdwarp.study.dialogs.dialog_panels import (
     CONTROLLERS,
     KEYS,
+    STOP,
     TEXT,
     WIDTH,
+    BreakDialog,
     Button,
     Canvas,
+    ConsentDialog,
     LineLayout,
+    MenuDialog,
+    QuestionDialog,
     QuestionPanel,
+    TextDialog,
     layout_of,
     message_panel,
     trial_panel,

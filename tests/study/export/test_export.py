@@ -23,7 +23,7 @@ from hmdwarp.poses import PoseTrack
 from hmdwarp.report import inert_text, raw_text
 from hmdwarp.scenes import INPUTS_HEADER, inputs_beside
 from hmdwarp.study.design import Show, design_from_text, load_design, steps_of
-from hmdwarp.study.export.export_rows import (
+from hmdwarp.study.export.write import (
     COLUMNS,
     FLAG,
     INTEGER,
@@ -31,13 +31,16 @@ from hmdwarp.study.export.export_rows import (
     MISSING,
     NUMBER,
     Column,
+    ExportOptions,
+    Rates,
     columns_for,
     csv_text,
+    export,
     field_text,
+    motion_text,
     settings_row,
     tsv_text,
 )
-from hmdwarp.study.export.write import ExportOptions, Rates, export, motion_text
 from hmdwarp.study.store import Store
 
 from ..plans import text_of

@@ -15,8 +15,7 @@ from together import together
 
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.study.design import Ask
-from hmdwarp.study.dialogs.choice_dialogs import QuestionDialog
-from hmdwarp.study.dialogs.dialog_panels import KEYS
+from hmdwarp.study.dialogs.dialog_panels import KEYS, QuestionDialog
 from hmdwarp.study.scales import (
     FOLDER,
     KINDS,

@@ -16,14 +16,13 @@ from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.study import actual_of
 from hmdwarp.study.actual import NOTHING, NUMBERS
 from hmdwarp.study.design import Ask, Condition, Show, Sickness
-from hmdwarp.study.dialogs.choice_dialogs import PageDialog, TextDialog
-from hmdwarp.study.dialogs.dialog_panels import CONTROLLERS
+from hmdwarp.study.dialogs.dialog_panels import CONTROLLERS, PageDialog, TextDialog
 from hmdwarp.study.line_console import ConsoleState, checked_answer, parse_line
 from hmdwarp.study.scales import load_scale
 from hmdwarp.study.session import program, runner
 from hmdwarp.study.session.runner import counting, why_sick
 from hmdwarp.study.session.session_options import SessionOptions
-from hmdwarp.study.session.wording import HeadRange
+from hmdwarp.study.session.step_handlers import HeadRange
 from hmdwarp.study.store import Answer
 
 from .conftest import SETTLED_S

@@ -226,7 +226,7 @@ def test_a_copy_that_cannot_be_written_costs_no_session_and_leaves_the_one_befor
         def full(path: Path) -> None:
             raise OSError(errno.ENOSPC, "No space left on device")
 
-        monkeypatch.setattr("hmdwarp.study.store.folders.sync", full)
+        monkeypatch.setattr("hmdwarp.study.store.database.sync", full)
         assert whole(store, "P2").status == "complete"
         assert "the store's copy could not be renewed" in said[-1] and "No space left" in said[-1]
     names = {path.name for path in (tmp_path / "data").iterdir()}
