@@ -134,8 +134,7 @@ Light = TypeVar("Light", bound=drawing.Lighting)
 class Surfaces(Owner):
     """The surfaces of a scene, drawn by the server's own passes: rgba16f and r32f inverse depth.
 
-    kinds: of light; there are passes for each. samples: of each pixel, as the server has them:
-    colour is their mean, inverse depth that of the pixel's centre.
+    kinds: of light. samples: of each pixel; inverse depth is that of the pixel's centre.
     """
 
     def __init__(self, gpu: Gpu, scene: scenes.Scene, *kinds: type[drawing.Lighting], samples: int = 1) -> None:
@@ -182,10 +181,9 @@ class Surfaces(Owner):
 
 
 class ReducedModel(Store):
-    """Surfaces with a share of the scene's triangles and of its textures' resolution.
+    """Surfaces with a share of the scene's triangles and textures' resolution: (share, texture).
 
-    wanted: both, as (share, texture). Errors: SceneError for a share or scale that is not above 0
-    and at most 1.
+    Errors: SceneError for a share or scale that is not above 0 and at most 1.
     """
 
     def __init__(self, client: ClientScene, wanted: tuple[float, float]) -> None:
@@ -301,10 +299,9 @@ def whole_weight(scene: scenes.Scene, share: float = 1.0, texture: float = 1.0) 
 class ArrivingScene(Store):
     """What has arrived so far of the scene that a Delivery describes.
 
-    Until the stand-ins have come there is no picture: every pixel is a hole. From then on each
-    piece of a mesh is its stand-in or itself, and each texture as sharp as it has arrived. When all
-    is there it is what the server draws, to the last bit. Lamps stand still, as in a scene that is
-    there from the start; what is here stops their light.
+    Until the stand-ins have come every pixel is a hole. From then on each piece of a mesh is its
+    stand-in or itself, and each texture as sharp as it has arrived; when all is there it is what
+    the server draws, to the last bit. Lamps stand still; what is here stops their light.
     """
 
     def __init__(self, client: ClientScene, wanted: Delivery) -> None:

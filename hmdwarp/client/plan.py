@@ -163,8 +163,7 @@ class Plan:
 def needs_of(plans: Iterable[Plan]) -> Needs:
     """Return the layers that frames must carry so that each of the plans can run.
 
-    Errors: InputError for plans that need different spacings of older frames: one run has one
-    spacing.
+    Errors: InputError for plans with different spacings of older frames: one run has one.
     """
     every = [plan.needs for plan in plans]
     spacings = {needs.others.spacing_ns for needs in every if needs.others.past}

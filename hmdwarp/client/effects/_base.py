@@ -62,8 +62,7 @@ class Tools:
 class EffectPass(Owner, ABC):
     """One pass of the compensator, for one or more effects.
 
-    The object owns its programs and textures for one pair of sizes. It serves both eyes in turn, so
-    it keeps nothing of one eye's picture.
+    It serves both eyes in turn, so it keeps nothing of one eye's picture.
     """
 
     name: ClassVar[str]  # Name in the plan's list.

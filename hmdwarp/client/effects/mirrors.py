@@ -59,9 +59,8 @@ GLOSSY = "glossy_reflections"
 class Reflections(ShownPass):
     """Warp the mirrored world by its own depth, and the mirrors' surfaces along with the colour.
 
-    The mirrored world is gathered (`iterative`), and its holes are closed from around them. Under
-    scan-out it is shown as in the middle of it. Where a fill has closed holes of the picture, they
-    reflect as much as their surroundings.
+    The mirrored world is gathered (`iterative`), under scan-out as in its middle, and its holes are
+    closed from around them. Where a fill has closed holes, they reflect as their surroundings.
     """
 
     name = "reflections"
@@ -139,12 +138,11 @@ _UNITS = {
 class MirroredPass(RenderedPass):
     """Splits the rendered picture into the surfaces' own light and what they mirror.
 
-    The other pictures see the same surfaces from elsewhere. What differs is what they mirror. The
-    depth of the mirror image, for each block of pixels, is the one at which the differing edges
-    agree; then the light is separated by following its rays through the pictures, and the rendered
-    picture gets the light that the shown eye sees at each surface. So any warp may follow. A block
-    stays as it is where both layers together do not explain the other pictures much better than the
-    surfaces alone.
+    What differs in other pictures of the same surfaces is what they mirror. The depth of the mirror
+    image, for each block of pixels, is the one at which the differing edges agree; then the light
+    is separated by following its rays through the pictures, and the rendered picture gets the light
+    that the shown eye sees at each surface. So any warp may follow. A block stays as it is where
+    both layers together do not explain the other pictures much better than the surfaces alone.
     """
 
     name = "mirrored light"

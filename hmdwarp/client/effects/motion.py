@@ -34,10 +34,9 @@ RIGID, SOFT = "rigid_motion", "soft_motion"
 
 
 def body_map(state: RigidState, age_ns: int, view: View, size: tuple[int, int]) -> WarpMap:
-    """Return the map from rendered pixels of a body to where the same view shows it `age_ns` later.
+    """Return the map of a body's rendered pixels to where the same view shows it `age_ns` later.
 
-    It is the map of an eye that moves the other way. Everything is relative to the eye, in float64.
-    Source: McMillan and Bishop 1995, eq. 8-10.
+    It is the map of an eye that moves the other way. Source: McMillan and Bishop 1995, eq. 8-10.
     """
     rendered, after = (pose.relative_to(view.pose) for pose in (state.pose, state.after(age_ns)))
     return view_map(View(after @ rendered.inverse(), view.fov), size, View(Pose(), view.fov), size)

@@ -137,9 +137,8 @@ class Relight(Fill):
 
     Light is the shown colour over the model's albedo (times its baked light, if it has that) where
     both show the same surface. A hole takes light from places that are near in space, lie in its
-    plane and face its way, so from the background. Because albedo is divided out first, no texture
-    is copied. The model's own baked light has a small weight: it remains where no similar surface
-    is in view.
+    plane and face its way. No texture is copied, because albedo is divided out first. The model's
+    own baked light has a small weight: it remains where no similar surface is in view.
     """
 
     name = "relight"
@@ -214,10 +213,9 @@ def frame_seed(seed: int, shown_ns: int, eye: int) -> int:
 class Composite(Fill):
     """Algorithm 3 of the thesis, as it is written there.
 
-    The light of a hole's pixel is the shown colour of places around it, not divided by their
-    albedo: textures are copied, and with new random places in every frame the result flickers.
-    Pixels that find no light stay empty, so black. `relight` is free of all three. The scene is
-    drawn whole; its normals are those of its depth.
+    Light is a shown colour not divided by its albedo: textures are copied, and with new random
+    places in every frame the result flickers. Pixels that find no light stay empty. `relight` is
+    free of all three. The scene is drawn whole; its normals are those of its depth.
     """
 
     name = "composite"

@@ -132,11 +132,7 @@ LEAST_PARALLAX = 0.25  # pixels at 1 m; below this no hole is a pixel wide unles
 
 @attrs.frozen
 class StretchSettings:
-    """How streaks are smoothed, and which depths are one surface.
-
-    Inverse depths are of one surface if they differ by at most tolerance * (the smaller one +
-    floor).
-    """
+    """How streaks are smoothed, and what is one surface: see depth_limits of warps/gather.py."""
 
     # Pixels of smoothing per pixel of distance from the start of the streak, if that is at least
     # one pixel; 0: none.
@@ -147,11 +143,10 @@ class StretchSettings:
 
 @fills.register
 class Stretch(Fill):
-    """Follow the epipolar line of an empty pixel to both edges of the hole.
+    """Follow the epipolar line of an empty pixel to both edges of the hole; take the farther one.
 
-    It takes the farther one's colour, smoothed inside the hole alone. Pixels outside the rendered
-    picture stay empty: they were not occluded, and their line leads nowhere. `stretch+pyramid`
-    fills them too.
+    Pixels outside the rendered picture stay empty: they were not occluded, and their line leads
+    nowhere. `stretch+pyramid` fills them too.
     """
 
     name = "stretch"

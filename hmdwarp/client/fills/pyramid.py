@@ -34,11 +34,7 @@ _PULLED = {"below_colour": _FIRST[0], "below_depth": _FIRST[1], "level_colour": 
 
 @attrs.frozen
 class PyramidSettings:
-    """When to prefer the background.
-
-    Inverse depths belong to one surface if they differ by at most tolerance * (the smaller one +
-    floor).
-    """
+    """When the background is preferred, and what is one surface: see depth_limits of warps."""
 
     # Share of empty pixels in a part of the picture from which on the background is preferred to
     # nearer surfaces.

@@ -65,9 +65,8 @@ class ScatterWarp(Warp):
 class OrderedScatter(ScatterWarp):
     """A scatter in which the last rendered pixel in some order wins.
 
-    The shader `warps/NAME.comp` computes the order. Invocations may run in any order: each rendered
-    pixel offers its rank, and the largest wins. The pass that copies the colours clears the keys
-    again.
+    The shader `warps/NAME.comp` computes the order: each rendered pixel offers its rank, and the
+    largest wins. The pass that copies the colours clears the keys again.
     """
 
     def prepare(self) -> None:
@@ -228,11 +227,7 @@ class ForwardOrderedSettings:
 
 @warps.register
 class ForwardOrdered(OrderedScatter):
-    """Scatter pixels as if one after the other.
-
-    They run towards the epipole when the eye has moved forward, and away from it when it has moved
-    back.
-    """
+    """Scatter pixels as if one by one: towards the epipole, or away from it if moved back."""
 
     name = "forward_ordered"
     Settings = ForwardOrderedSettings
@@ -274,10 +269,7 @@ def epipole_pixel(e: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArra
 
 @warps.register
 class ForwardRaster(OrderedScatter):
-    """Scatter pixels as if one after the other, in raster order; the last one wins.
-
-    Raster order runs row by row from the top of the picture, each from left to right.
-    """
+    """Scatter pixels as if row by row from the top, each from left to right; the last one wins."""
 
     name = "forward_raster"
 
@@ -287,11 +279,7 @@ class ForwardRaster(OrderedScatter):
 
 @attrs.frozen
 class SplatSettings:
-    """The size of footprints, and which neighbours are one surface.
-
-    Neighbours are one surface if their inverse depths differ by at most tolerance * (their own +
-    floor).
-    """
+    """The size of footprints, and which neighbours are one surface: see depth_limits."""
 
     tolerance: float = limited(0.03)
     floor: float = limited(0.02)  # 1/m

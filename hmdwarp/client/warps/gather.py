@@ -181,8 +181,8 @@ def last_centre(size: tuple[int, int]) -> dict[str, object]:
 def depth_limits(settings: Any, rendered: EyeImage) -> dict[str, object]:
     """Return the uniforms of the comparison: the settings' tolerance, and a floor under it.
 
-    Coded depth is off by depth_error, which the floor takes in: tolerance * floor is the part that
-    does not grow with inverse depth. A tolerance of 0 stays 0.
+    Two inverse depths are of one surface if they differ by at most tolerance * (the smaller one +
+    floor). Coded depth is off by depth_error, which the floor takes in. A tolerance of 0 stays 0.
     """
     more = rendered.depth_error / settings.tolerance if settings.tolerance else 0.0
     return {"depth_tolerance": settings.tolerance, "depth_floor": settings.floor + more}
@@ -366,10 +366,7 @@ class Environment(GatherWarp):
 
 @attrs.frozen
 class BackwardSettings(GatherSettings):
-    """When a rendered depth agrees with the client's.
-
-    They agree if they differ by at most tolerance * (the client's inverse depth + floor).
-    """
+    """When a rendered depth agrees with the client's: as depth_limits says."""
 
     # off: no rendered depth is sent or compared. Every place in the rendered picture counts, so
     # what was hidden takes the colour of what hid it.
@@ -418,11 +415,7 @@ NEAREST = 2.0**11  # 1/m; the search ends half a millimetre before the eye
 
 @attrs.frozen
 class SearchSettings(GatherSettings):
-    """How far rays run, and which neighbours are one surface.
-
-    Neighbours are connected if they differ by at most tolerance * (the farther one's inverse depth
-    + floor).
-    """
+    """How far rays run, and which neighbours are one surface: see depth_limits."""
 
     steps: int = limited(512, 1, 65536)  # Cells that a ray may pass before it ends in a hole.
     # Pixels by which a ray may miss the end of a surface and still meet it, so that steep surfaces

@@ -143,11 +143,7 @@ MOST_STEPS = 64
 
 @attrs.frozen
 class IterativeSettings(GatherSettings):
-    """How guesses start, converge and end.
-
-    Neighbours are connected if they differ by at most tolerance * (the farther one's inverse depth
-    + floor).
-    """
+    """How guesses start, converge and end; which neighbours are one surface: see depth_limits."""
 
     # Source of the first guess: a forward splat of depth at a quarter of the resolution, or the map
     # at infinity.

@@ -287,11 +287,7 @@ class MeshSettings:
 
 @warps.register
 class Mesh(MeshWarp):
-    """A mesh with one vertex a pixel, or with a grid of fewer.
-
-    Sheets between surfaces are cut by slope before they are drawn, by vertex identity after, or by
-    either; those of a grid are not cut.
-    """
+    """A mesh with a vertex a pixel, cut between surfaces, or with a grid of fewer, which is not."""
 
     name = "mesh"
     Settings = MeshSettings

@@ -70,11 +70,7 @@ class ModelSettings:
 
 @warps.register
 class Model(ClientDrawing):
-    """Draw the client's own scene for the shown view and instant; read nothing of the frame.
-
-    Bodies and what deforms are drawn where they are at that instant: the client knows how they
-    move.
-    """
+    """Draw the client's own scene for the shown view and instant, bodies where they are then."""
 
     name = "model"
     reads = ("client.model",)

@@ -94,11 +94,10 @@ _GUESSES = 3
 
 
 class CompositeWarp(Warp):
-    """A gather from several pictures, each seeded by a scatter of its depth alone.
+    """A gather from several pictures with depth, each seeded by a scatter of its depth alone.
 
-    The scatter leaves in each shown pixel the nearest depth that lands there. The gather starts
-    from these guesses, its own and its neighbours', and finds where the ray meets the picture's
-    surface (lib/meeting.glsl).
+    The scatter leaves in each shown pixel the nearest depth that lands there. From these guesses
+    the gather finds where the ray meets the picture's surface (lib/meeting.glsl).
     """
 
     kind = "scatter"
@@ -203,10 +202,7 @@ class MultiSettings:
 
 @warps.register
 class Multi(CompositeWarp):
-    """Combine the newest frame, then the other eye's, then further views of it, then past ones.
-
-    Each adds what those before it could not see.
-    """
+    """Combine the newest frame, the other eye's, further views and past ones, in this order."""
 
     name = "multi"
     reads = ("rendered.colour", "rendered.inverse_depth", "rendered.others", _CHOSEN)

@@ -164,13 +164,13 @@ class Listener:
             address, why = self._connections.cuts.popleft()
             self._log.say(f"cut {why}", address, f"{address} cut: {why}")
         self._log.next_second()
-        if (who := self._turn()) is None:
+        if (turn := self._turn()) is None:
             return None
-        client = self._clients[who]
-        self._drawn_for, self._begun_ns = (who, time.monotonic_ns()), client.spent_ns
+        client = self._clients[turn]
+        self._drawn_for, self._begun_ns = (turn, time.monotonic_ns()), client.spent_ns
         assert client.ask is not None, "it has a turn"
         (ask, received_ns), client.ask = client.ask, None
-        return Asked(who, ask, received_ns)
+        return Asked(turn, ask, received_ns)
 
     def _turn(self) -> bytes | None:
         """Return the next client to draw for: start-time fair queueing (Goyal, Vin, Cheng 1996)."""
