@@ -228,7 +228,7 @@ class MeshLens:
     unit_m: ClassVar[float] = 1.0
 
     panel_m: Pair
-    # Of each colour: rows from below, in them points from the left; `uv` in a file is that of the view.
+    # Of each colour: rows from below, in them points from the left; `uv` in a file is of the view.
     points: dict[str, tuple[tuple[Pair, ...], ...]]
 
     @classmethod
