@@ -13,6 +13,8 @@ import typer
 
 from ..errors import InputError
 from ..options import Declared, Number, PaperOptions, force_field, group, option, out_field, same_as
+from ..study import design as designs
+from ..study import store
 from ..study.measure_options import MeasureOptions
 from ..study.session.session_options import SessionOptions
 from ._options import JSON, QUIET, Group, Said, as_json, command_line, print_results, takes
@@ -20,9 +22,6 @@ from ._signals import INTERRUPTED, Ended
 
 if TYPE_CHECKING:
     from rich.table import Table
-
-    from ..study import design as designs
-    from ..study import store
 
 app = typer.Typer(cls=Group, help="Rating studies: plan, run, export, analyse.", no_args_is_help=True)
 _STUDY = "The study's .toml file, or the name of a shipped study, such as thesis."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import attrs
 import numpy as np
@@ -15,12 +15,10 @@ from ..geometry import Eyes
 from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..options import option_of
+from ..pipeline.loop import Refresh
 from ..pipeline.options import PipelineOptions
 from ..poses import PoseSource, PoseTrack
 from .controls import CONTROLS, Command, Control, Status
-
-if TYPE_CHECKING:
-    from ..pipeline.loop import Refresh
 
 
 class Closed(Exception):

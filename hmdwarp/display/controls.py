@@ -49,7 +49,7 @@ class Control:
     written: str = ""  # how the help writes its keys, "" for their names
     # available only while a text panel lies over the picture: other pictures must stay free of text
     needs_text_panel: bool = False
-    needs: str = ""  # what the run must have (`run.host.has`) for it to be offered, "" for nothing
+    needs: str = ""  # what the run must have (`run.live_run.has`) for it to be offered, "" for nothing
 
 
 CONTROLS: tuple[Control, ...] = (

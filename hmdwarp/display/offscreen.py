@@ -9,20 +9,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import moderngl
 
 from ..errors import InputError
 from ..gpu.context import Gpu
 from ..headsets import load_headset
+from ..pipeline.loop import Refresh
 from ..poses.track import LoopedSource
 from . import Command, DisplayOptions, Label, Status, Tick
 from .desktop.window_system import SwitchableView
 from .present import Presenter
-
-if TYPE_CHECKING:
-    from ..pipeline.loop import Refresh
 
 AHEAD = 2  # refreshes from a tick to its display time, as in a headset
 

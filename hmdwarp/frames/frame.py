@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from collections.abc import Collection, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import attrs
 
@@ -83,13 +83,6 @@ class EyeImage:
             yield from layer.textures(data)
 
 
-class Timed(Protocol):
-    """The GPU's work for a frame, as gpu.timers.Lap has it."""
-
-    def read(self) -> Iterable[tuple[str, float]]:
-        """Return (stage, ms) of each stage; waits for the GPU if it has not finished."""
-
-
 @attrs.frozen(eq=False)
 class Frame:
     """All eyes as the server drew them."""
@@ -99,8 +92,8 @@ class Frame:
     # The world_from_head that the frame was drawn for, and its origin; None where only the views
     # are known.
     head: PoseSample | None = None
-    # The GPU's work for it; read its time when that is done.
-    drawing: Timed | None = None
+    # The GPU's work for it, as gpu.timers.Lap has it; read its time when that is done.
+    drawing: Any = None
     # Tells apart what the sender began anew: what builds on the frames before begins with them.
     began: int = 0
     # Milliseconds of work on its way, by name (render, encode, decode); the worker enters them.
@@ -118,7 +111,7 @@ class Frame:
         """How long the server drew it; waits for the GPU if it has not finished."""
         if "render" in self.timings_ms or self.drawing is None:
             return self.timings_ms.get("render", 0.0)
-        return sum(milliseconds for _, milliseconds in self.drawing.read())
+        return float(sum(milliseconds for _, milliseconds in self.drawing.read()))
 
     def pictures(self) -> list[tuple[int, EyeImage]]:
         """Return the number and the picture of each eye, a picture that both see once."""

@@ -117,15 +117,12 @@ def as_path(value: str | os.PathLike[str]) -> Path:
 _KEY, _GROUP = "options", "group"
 _UNITS = ("ms", "s", "Hz", "deg", "mm")  # at the end of a field's name
 _KINDS = {kind.__name__: kind for kind in (str, float, int, bool, Path)}
+_NO_KIND = (type(None), type(attrs.NOTHING))  # of a default: the field's annotation names it
 # Fields that say where results go and how they are made, but not what they are.
 HOW = ("out", "force", "command", "workers", "parquet", "paper", "sweep")
 # Where a study's file may set an option: for the display of a whole session, for how the scene
 # looks, or for one condition. Otherwise a sentence says why it may not.
 DISPLAY, PICTURE, CONDITION = "display", "picture", "condition"
-
-
-class _Annotated:
-    """Stands for the kind that a field's annotation names."""
 
 
 @attrs.frozen
@@ -173,8 +170,7 @@ def option(
     end of the name, the limits those of `valid`.
     """
     required = value is attrs.NOTHING
-    kind = _Annotated if value is None or required else type(value)
-    about = {"kind": kind, "default": None if required else value, "required": required, **about}
+    about = {"kind": type(value), "default": None if required else value, "required": required, **about}
     # Number looks at the kind itself, and option_of at its limits.
     check = valid if isinstance(valid, Number) else [_of_its_kind, *([] if valid is None else [valid])]
     metadata = {_KEY: (Option(help, **about), *beside)}
@@ -194,7 +190,7 @@ def group(kind: type[Declared]) -> Any:
 def option_of(field: attrs.Attribute[Any]) -> Option:
     """Return the option that an attrs field is, with what it leaves out; see `option`."""
     found: Option = field.metadata[_KEY][0]
-    kind = _KINDS.get(str(field.type).partition(" ")[0], str) if found.kind is _Annotated else found.kind
+    kind = _KINDS.get(str(field.type).partition(" ")[0], str) if found.kind in _NO_KIND else found.kind
     ends = [unit for unit in _UNITS if kind in (int, float) and field.name.endswith(f"_{unit.lower()}")]
     unit = found.unit or "".join(ends)
     number = "a whole number" if kind is int else "a number"

@@ -227,7 +227,7 @@ class Coder:
         if coding not in _VIDEOS:
             return _Stream.of_each(codec.pack, codec.unpack)
         rate = None if asked.bitrate_mbit is None else max(_LEAST_MBIT, share * asked.bitrate_mbit)
-        quality = {"crf": asked.crf, "bitrate_mbit": rate}
+        quality: dict[str, Any] = {"crf": asked.crf, "bitrate_mbit": rate}
         encoder = codec.Encoder(asked.codec, size, self._rate_hz, **quality, keeps_beyond_1=coding == BRIGHT_VIDEO)
         return _Stream(encoder.encode, codec.Decoder(asked.codec, size).decode)
 

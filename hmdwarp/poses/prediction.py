@@ -261,7 +261,7 @@ def _percentiles(values: Array, wanted: tuple[float, ...]) -> tuple[float, ...]:
 
 def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
     """Return what `trace info --json` prints; percentiles are keys such as p95."""
-    rows = []
+    rows: list[dict[str, Any]] = []
     for row in figures.errors:
         rows.append({"latency_ms": row.latency_ms})
         for name, one in row.errors.items():

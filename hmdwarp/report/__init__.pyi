@@ -75,6 +75,8 @@ from .run_texts import response_rows as response_rows
 from .run_texts import signed as signed
 from .run_texts import terminal_table as terminal_table
 from .run_texts import transit_lines as transit_lines
+from .study import csv_tables as csv_tables
+from .study import study_page as study_page
 from .thesis_page import render_thesis_page as render_thesis_page
 from .trace_plot import headset_plot_png as headset_plot_png
 from .trace_plot import trace_plot_png as trace_plot_png

@@ -1,5 +1,4 @@
 from .choosing import Choice as Choice
-from .choosing import LevelSet as LevelSet
 from .choosing import choose as choose
 from .choosing import levels_by_short_bench as levels_by_short_bench
 from .choosing import levels_from_file as levels_from_file

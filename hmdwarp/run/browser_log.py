@@ -25,48 +25,43 @@ FULL = f"{MOST_BYTES // 10**6} MB are written: no more is kept"
 MOST_REFRESHES = 256  # of a message
 DISPLAY = {"browser", "renderer", "codec", "trace", "width", "height", "rendered_width", "rendered_height"}
 DISPLAY |= {"rate_hz", "latency_ms", "guard"}
-_BENCHED, _ROW = DISPLAY | {"clock", "how", "seconds"}, {"warp", "fill", "warp_ms", "total_ms", "psnr_db"}
-_MESSAGE = {"display", "warp", "missed", "delays_ms", "refreshes"}
 _MOST, _MOST_ROWS, _MOST_LETTERS = 1e9, 16, 300
+# What a value may be: a number from one to another, a word, either; or a table of such, or a list
+# that is at most so long.
+_NUMBER, _WORD, _FACT = (0, _MOST), "word", "fact"
+_DISPLAY = dict.fromkeys(DISPLAY, _FACT)
+_BENCHED = _DISPLAY | dict.fromkeys(("clock", "how", "seconds"), _FACT)
+_BENCH = [dict.fromkeys(("warp", "fill", "warp_ms", "total_ms", "psnr_db"), _FACT), _MOST_ROWS]
 # Of a refresh: shown_ms, age_ms, warp_ms, position in m, orientation.
-_BOUNDS = ((0, _MOST),) * 3 + ((-1e6, 1e6),) * 3 + ((-1, 1),) * 4
+_BOUNDS = (_NUMBER,) * 3 + ((-1e6, 1e6),) * 3 + ((-1, 1),) * 4
 _AT_ONCE, _PER_S = 8, 2  # messages of a connection
 
 
-def _number(value: Any, least: float = 0, most: float = _MOST) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value <= most:
-        raise ValueError(f"expected a number from {least:g} to {most:g}")
-    return value
+def _checked(value: Any, shape: Any) -> Any:
+    """Return a value that is as its shape says. Errors: ValueError."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    is_word = isinstance(value, str) and len(value) <= _MOST_LETTERS and value.isprintable()
+    if isinstance(shape, dict) and isinstance(value, dict) and value.keys() == shape.keys():
+        return {name: _checked(one, shape[name]) for name, one in value.items()}
+    if isinstance(shape, list) and isinstance(value, list) and len(value) <= shape[1]:
+        return [_checked(one, shape[0]) for one in value]
+    if is_word and shape in (_WORD, _FACT):
+        return value
+    least, most = _NUMBER if shape == _FACT else shape if isinstance(shape, tuple) else (math.inf, -math.inf)
+    if is_number and least <= value <= most:
+        return value
+    raise ValueError(f"expected {shape}")
 
 
-def _word(value: Any) -> str:
-    if not (isinstance(value, str) and len(value) <= _MOST_LETTERS and value.isprintable()):
-        raise ValueError(f"expected at most {_MOST_LETTERS} printable letters")
-    return value
-
-
-def _list(value: Any, most: int) -> list[Any]:
-    if not (isinstance(value, list) and len(value) <= most):
-        raise ValueError(f"expected a list of at most {most}")
-    return value
-
-
-def _table(value: Any, names: set[str]) -> dict[str, Any]:
-    if not isinstance(value, dict) or set(value) != names:
-        raise ValueError(f"expected {', '.join(sorted(names))}")
-    return value
-
-
-def _facts(value: Any, names: set[str]) -> dict[str, Any]:
-    return {name: _word(one) if isinstance(one, str) else _number(one) for name, one in _table(value, names).items()}
-
-
-def _refreshes(value: Any, after_ms: float) -> list[list[float]]:
+def _refreshes(rows: Any, after_ms: float) -> list[list[float]]:
     """Return rows as _BOUNDS has them, each later than the one before. Errors: ValueError."""
-    rows = _list(value, MOST_REFRESHES)
+    if not isinstance(rows, list) or len(rows) > MOST_REFRESHES:
+        raise ValueError(f"expected a list of at most {MOST_REFRESHES}")
     for row in rows:
-        for number, bounds in zip(_list(row, len(_BOUNDS)), _BOUNDS, strict=True):
-            _number(number, *bounds)
+        if not isinstance(row, list) or len(row) != len(_BOUNDS):
+            raise ValueError("expected the numbers of a refresh")
+        for number, bounds in zip(row, _BOUNDS, strict=True):
+            _checked(number, bounds)
         if row[0] <= after_ms or abs(math.hypot(*row[6:]) - 1) > 1e-3:
             raise ValueError("expected a later instant, and a unit quaternion")
         after_ms = row[0]
@@ -164,21 +159,21 @@ class PageLog:
     def _line(self, said: Any) -> dict[str, Any]:
         """Return what is kept of a message. Errors: ValueError for what no page says."""
         if isinstance(said, dict) and "bench" in said:
-            measured = [_facts(row, _ROW) for row in _list(said["bench"], _MOST_ROWS)]
-            return {"bench": measured, "display": _facts(said.get("display"), _BENCHED)}
-        table = _table(said, _MESSAGE)
-        begins = table["display"] is not None
-        display = {"display": _facts(table["display"], DISPLAY)} if begins else {}
-        rows = _refreshes(table["refreshes"], -math.inf if begins else self._last_ms)
+            return {"bench": _checked(said["bench"], _BENCH), "display": _checked(said.get("display"), _BENCHED)}
+        if not isinstance(said, dict) or said.keys() != {"display", "warp", "missed", "delays_ms", "refreshes"}:
+            raise ValueError("expected what a page says")
+        begins = said["display"] is not None
+        display = {"display": _checked(said["display"], _DISPLAY)} if begins else {}
+        rows = _refreshes(said["refreshes"], -math.inf if begins else self._last_ms)
         if not rows or not (begins or self._session):
             raise ValueError("expected refreshes, of a display")
         found = {
             "refreshes": len(rows),
-            "missed": _number(table["missed"]),
-            "warp": _word(table["warp"]),
+            "missed": _checked(said["missed"], _NUMBER),
+            "warp": _checked(said["warp"], _WORD),
             "warp_ms": _mean_and_most([row[2] for row in rows]),
             "age_ms": _mean_and_most([row[1] for row in rows]),
-            "delays_ms": [_number(one) for one in _list(table["delays_ms"], len(rows))],
+            "delays_ms": _checked(said["delays_ms"], [_NUMBER, len(rows)]),
             "heads": [[row[0], *row[3:]] for row in rows],
         }
         if begins:

@@ -51,8 +51,7 @@ def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: R
     """Return the factor that holds the middles of the pictures' sides in 95 of 100 refreshes.
 
     And what there is to know of it. All four sides of both eyes count, for scenery from 1 m to
-    infinity. The server draws for its predicted or current pose, as in the run; the display shows
-    the pose of the trace. The latency is that of the run, for a link with jitter the typical one.
+    infinity, of the poses that the server draws for and the trace's. Jitter counts as typical.
     """
     age_ns = expected_age_ns(options, schedule.age_ns, schedule.rate_hz)
     stride = -(-schedule.count // MOST_INSTANTS)
@@ -81,10 +80,10 @@ def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: R
 
 
 def needed_factors(headset: Headset, drawn: tuple[Array, Array], shown: tuple[Array, Array]) -> Array:
-    """Return how much larger, in tangents, each picture must be drawn: (n,) factors.
+    """Return how much larger, in tangents, each picture must be drawn: (n,) factors from 1.
 
-    1 for a head that has not moved, infinite where the middle of a side lies beside or behind the
-    rendered eye. drawn, shown: head positions (n, 3) in metres and orientations (n, 4).
+    Infinite where the middle of a side lies beside or behind the rendered eye. drawn, shown: head
+    positions (n, 3) in metres and orientations (n, 4).
     """
     most = np.ones(len(drawn[0]))
     for eye in headset.eyes:
@@ -114,9 +113,8 @@ class LevelSet:
 def levels_from_file(path: Path, options: PipelineOptions, device: Client | None = None) -> LevelSet:
     """Return the levels of a benchmark for a run, with its times or those modelled of a device.
 
-    Uses the rows of the run's size if there are any; otherwise those of the largest size, with
-    times scaled by the number of pixels. A run without a lens takes them without theirs.
-    Combinations that this run cannot use are left out, with a note.
+    Uses the rows of the run's size, else those of the largest size, with times scaled by the number
+    of pixels. Combinations that this run cannot use are left out, with a note.
     Errors: InputError for a file that is no benchmark, and if none of its combinations can run.
     """
     name, headset, usable = path.name, load_headset(options.headset), list[Row]()
@@ -198,15 +196,12 @@ class Choice:
 
     @property
     def following(self) -> QualityLevel | None:
-        """The next better level, which the budget has no room for."""
+        """The next better level, beyond the budget."""
         after = self.levels.index(self.level) + 1 if self.level is not None else 0
         return self.levels[after] if 0 < after < len(self.levels) else None
 
     def command(self, arguments: Sequence[str]) -> str:
-        """Return the command line of the chosen replay.
-
-        arguments: those of the command that chose.
-        """
+        """Return the command line of the chosen replay. arguments: of the one that chose."""
         named = {"--warp": self.options.warp, "--fill": self.options.fill, "--guard": f"{self.options.guard}"}
         dropped, kept, words = {*named, "--budget", "--bench"}, [], iter(arguments)
         for word in words:
@@ -288,10 +283,7 @@ def candidates(options: PipelineOptions, source: Source) -> list[Combination]:
 
 
 def levels_by_short_bench(options: RunOptions, source: Source, say: Say, device: Client | None = None) -> LevelSet:
-    """Return the levels measured at a few instants of this run, at its size.
-
-    device: whose times are modelled instead. Errors: as set_up_replay.
-    """
+    """Return the levels measured at a few instants of this run, or modelled for a device."""
     budget_ms, combinations = options.budget_ms or 0.0, candidates(options, source)
     say(
         f"trying {len(combinations)} combinations of warp and fill at {INSTANTS} instants of this run first; --bench "

@@ -65,10 +65,7 @@ class Timeline:
         self._kept.append((refresh.transit, first_ns, refresh.shown_ns))
 
     def as_list(self) -> list[dict[str, Any]]:
-        """Return the `timeline` of summary.json, in ms since the first of its frames was drawn.
-
-        parts: each part of the way, in order; shown, until: the first and the last refresh.
-        """
+        """Return the `timeline` of summary.json, in ms since the first of its frames was drawn."""
         if not self._kept:
             return []
         start_ns = self._kept[0][0].sent_ns
@@ -114,10 +111,7 @@ class Moment:
     def of(
         cls, number: int, refresh: Refresh, start_ns: int, speeds: Speeds, submitted_ns: int | None = None
     ) -> Moment:
-        """Return the moment of a refresh.
-
-        start_ns: the origin of time. submitted_ns: when the picture was submitted to a display.
-        """
+        """Return the moment of a refresh; start_ns: the origin of time."""
         head, frame, plan = refresh.head, refresh.frame, refresh.plan
         figures = {
             "frame": number,
@@ -156,7 +150,7 @@ def stage_columns(stages: Stages) -> Row:
 
 
 def rows_text(moment: Moment, stages: Sequence[Sequence[float | None]], holes: Sequence[float | None]) -> str:
-    """Return one line for each eye. Fast enough for every refresh: both take about 30 us.
+    """Return one line for each eye; both take about 30 us.
 
     stages: of each eye, in the order of STAGE_COLUMNS; holes: the share of each eye's pixels.
     """
@@ -191,11 +185,7 @@ _NOT_MEASURED = dict.fromkeys(QUALITY)
 
 
 class ReplayLog:
-    """Rows and response times of a replay.
-
-    Poses are kept as objects and turned into columns only when written: ten minutes at 60 Hz are
-    72,000 rows.
-    """
+    """Rows and response times of a replay; poses become columns only when written."""
 
     def __init__(self, track: PoseTrack) -> None:
         self._track = track
@@ -210,7 +200,6 @@ class ReplayLog:
         self.answers: Answers | None = None
 
     def add(self, refresh: Refresh) -> None:
-        """Add the next refresh."""
         speeds = speeds_at(self._track, refresh.shown_ns)
         moment = Moment.of(len(self.moments), refresh, self._track.start_ns, speeds)
         self.moments.append(moment)
@@ -275,7 +264,6 @@ class Answers:
         return {"count": count, "answered": len(found), "response_time_ms": times}
 
     def note(self) -> str:
-        """Return the entry as a sentence."""
         entry = self.entry()
         if "response_time_ms" not in entry:
             return f"No picture showed what came of {entry['count']} inputs."

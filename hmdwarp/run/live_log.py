@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import attrs
 import moderngl
@@ -37,10 +37,8 @@ from ..scenes import InputEvent
 from . import frame_rows
 from .options import OPENXR, LiveOptions
 from .recorder import Lines
+from .run import Run
 from .run_summary import EYES, OWNED, summary_of
-
-if TYPE_CHECKING:
-    from .live_run import PipelineHost
 
 Array = NDArray[np.float64]
 _MOST_EYES = 2
@@ -56,11 +54,7 @@ class MissTally:
         self._last_deg, self._squares = 0.0, 0.0
 
     def add(self, stale: bool, off_deg: float) -> None:
-        """Add the next refresh.
-
-        stale: whether it showed a picture again. off_deg: the angle by which things were seen off
-        their place.
-        """
+        """Add a refresh: whether it is a picture again, how far things are off their place."""
         if self._refreshes:
             self._squares += (off_deg - self._last_deg) ** 2
         self._last_deg = off_deg
@@ -70,11 +64,7 @@ class MissTally:
         self._longest = max(self._longest, self._run)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return its part of summary.json, of one refresh at least.
-
-        stale_share: 0..1. longest_stale: refreshes in a row without a new picture. judder_deg: RMS
-        of the change of that angle from each refresh to the next; 0 for a single refresh.
-        """
+        """Return its part of summary.json; judder_deg: RMS of the change of that angle."""
         judder = math.sqrt(self._squares / max(1, self._refreshes - 1))
         return {"stale_share": self._stale / self._refreshes, "longest_stale": self._longest, "judder_deg": judder}
 
@@ -84,10 +74,9 @@ def seen_off_deg(
 ) -> list[float]:
     """Return the angle between where things are seen and where they are, for each missed refresh.
 
-    Over points on a grid over the late frame, as far away as its depth says; where it has no depth
-    at all, infinitely far. depths: as of DepthSamples, of the frame of `made`, which is shown
-    again. then: the next picture, so many periods later; the head keeps its speed in between.
-    turned: the picture is turned to the newest head, else it stands.
+    Over points of the late frame, as far away as its depth says, or infinitely far without any.
+    depths: of the frame of `made`, which is shown again. then: the next picture, so many periods
+    later; the head keeps its speed in between. turned: to the newest head, else it stands.
     """
     every = []
     for inputs, depth in zip(made.inputs, depths, strict=True):
@@ -149,7 +138,6 @@ class DepthSamples(_ReadLater):
     size = 4 * _MOST_EYES * _POINTS**2
 
     def take(self, inputs: Sequence[PassInputs]) -> None:
-        """Sample the frame of each eye. Call once for each picture."""
         self._swap()
         for slot, eye in enumerate(inputs):
             depth = eye.rendered.inverse_depth
@@ -178,10 +166,7 @@ class HoleCounter(_ReadLater):
         self._pixels_before: tuple[int, ...] | None = None
 
     def count(self, canvases: Sequence[Canvas]) -> None:
-        """Count the pixels with alpha 0 of each eye's picture, which earlier passes have finished.
-
-        Call once a refresh.
-        """
+        """Count the pixels with alpha 0 of each eye's picture; call once a refresh."""
         self._swap()
         self._pixels_before, self._pixels = self._pixels, tuple(canvas.size[0] * canvas.size[1] for canvas in canvases)
         self._gl.copy_buffer(self._now, self._empty)
@@ -204,10 +189,7 @@ class HoleCounter(_ReadLater):
 
 
 class Pauses:
-    """Number and time of garbage collections between `start` and `stop`, by generation.
-
-    Costs about a microsecond for each collection.
-    """
+    """Number and time of garbage collections between `start` and `stop`, by generation."""
 
     def __init__(self) -> None:
         self._runs, self._total_ns, self._longest_ns = [0, 0, 0], 0, 0
@@ -231,10 +213,7 @@ class Pauses:
             self._longest_ns = max(self._longest_ns, took_ns)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return its part of summary.json.
-
-        Counts from the youngest generation to the oldest, times in ms.
-        """
+        """Return its part of summary.json, from the youngest generation to the oldest."""
         return {"collections": self._runs, "total_ms": self._total_ns * 1e-6, "longest_ms": self._longest_ns * 1e-6}
 
 
@@ -258,7 +237,7 @@ class Thinned:
     """A table of numbers, one row for each refresh, of bounded size.
 
     When it is full every other row is dropped, and from then on only every other row is kept: rows
-    stay evenly spaced over the whole run, at least `most` / 2 of them. most: an even number.
+    stay evenly spaced, at least `most` / 2 of them. most: an even number.
     """
 
     def __init__(self, columns: Sequence[str], most: int = MOST_ROWS) -> None:
@@ -317,10 +296,7 @@ class FrameFates:
         self._seen += 1
 
     def as_dict(self, rate_hz: float) -> dict[str, Any]:
-        """Return the `link` of summary.json; size and codec are those of the last link.
-
-        rate_hz: measured rate of the pictures.
-        """
+        """Return the `link` of summary.json; rate_hz: measured rate of the pictures."""
         if self._channel is None:
             return {}
         last = self._channel.summary(rate_hz)
@@ -336,8 +312,7 @@ _WAITING = 8  # full pictures in memory at a time; beyond that the loop waits fo
 class Pictures:
     """Keep every n-th refresh as images/frame-NNNNNN-{left,right}.png, at most `MOST` of them.
 
-    Reading a picture back waits for the GPU: such a refresh is late, and its time shows it. A
-    thread encodes and writes the PNGs. every: 0 for none.
+    Reading a picture back waits for the GPU: such a refresh is late. every: 0 for none.
     """
 
     def __init__(self, out: OutputFolder, every: int, most: int = MOST) -> None:
@@ -348,7 +323,6 @@ class Pictures:
 
     @property
     def is_full(self) -> bool:
-        """Whether the limit was reached."""
         return self.count >= self._most
 
     def keep(self, number: int, refresh: Refresh) -> None:
@@ -366,7 +340,6 @@ class Pictures:
         self._out.write_png(name, picture_from_linear(linear))
 
     def close(self) -> None:
-        """Wait until all pictures are written. Errors: as keep; safe to call twice."""
         if self._writer is not None:
             self._writer.shutdown()
         while self._under_way:
@@ -386,8 +359,16 @@ class LiveResult:
         return f"<LiveResult {self.summary['warp']} + {self.summary['fill']}; {self.folder}>"
 
     def describe(self) -> list[str]:
-        """Return the lines to print at the end."""
         return live_lines(self.summary, self.folder)
+
+
+class Host(Protocol):
+    """What has the run that is shown, and its options as they are now."""
+
+    run: Run[LiveOptions]
+    options: LiveOptions
+
+    def values(self) -> dict[str, object]: ...
 
 
 @attrs.define(eq=False)
@@ -396,7 +377,7 @@ class _Running:
 
     # The keys of summary.json that are settled.
     facts: dict[str, Any]
-    host: PipelineHost
+    host: Host
     # Name of the display, and its own description.
     source: str
     about: dict[str, str]
@@ -420,8 +401,7 @@ class LiveLog:
     """Log of a live run. Use as a context manager: it writes the results on exit.
 
     The times of a refresh are read at the next one, so nothing here waits for the GPU. A refresh
-    costs some 50 us, half of that only with an output folder. Memory is bounded for runs of any
-    length; frames.csv grows on the disk.
+    costs some 50 us, half of that only with an output folder. Memory is bounded.
     Errors: InputError for a folder that cannot be written; from add, MachineError for a full disk.
     """
 
@@ -461,8 +441,7 @@ class LiveLog:
         self._written = False
         self._finishing, self._finished = threading.Lock(), False
 
-    def begin(self, display: Display, host: PipelineHost) -> None:
-        """Start logging on this display."""
+    def begin(self, display: Display, host: Host) -> None:
         options, run = attrs.evolve(self.options, latency_ms=host.options.latency_ms), host.run
         self.options = options
         headset = display.headset.name if display.headset is not None else display.about.get("headset") or display.name
@@ -489,8 +468,7 @@ class LiveLog:
         """Time of the last picture since the first."""
         return (self._last.shown_ns - self._first_ns) * 1e-9 if self._last is not None else 0.0
 
-    def changed(self, host: PipelineHost) -> None:
-        """Log a change of options."""
+    def changed(self, host: Host) -> None:
         if self._running is None:
             return
         before, self._running.values = self._running.values, host.values()
@@ -504,17 +482,14 @@ class LiveLog:
             self._changes.append({**about, "what": what, "reason": reason})
 
     def acted(self, event: InputEvent) -> None:
-        """Log what somebody did in the scene."""
         self._answers.add(event)
 
     def on_display_lost(self, why: str) -> None:
-        """Log the loss of the display."""
         self._lost_at, self._submitted_ns = time.monotonic(), None
         if len(self._lost) < MOST_EVENTS:
             self._lost.append({"time_s": self._last_s, "frame": self.count - 1, "why": why, "away_s": None})
 
     def came_back(self) -> None:
-        """Log the return of the display."""
         if self._lost_at is not None and self._lost:
             self._lost[-1]["away_s"] = time.monotonic() - self._lost_at
         self._lost_at = None
@@ -719,14 +694,10 @@ class LiveLog:
         return notes
 
     def column(self, name: str) -> Array:
-        """Return one of COLUMNS for each refresh; in a long run, for every n-th.
-
-        NaN where it was not measured.
-        """
+        """Return one of COLUMNS for each refresh, NaN where it was not measured."""
         return self._times.column(name)
 
     def result(self) -> LiveResult:
-        """Return the results of the run."""
         return LiveResult(self.options.out if self._written else None, self._summary)
 
     def __enter__(self) -> LiveLog:

@@ -443,9 +443,9 @@ def values(options: LiveOptions, shown: tuple[int, int] | None = None) -> dict[s
     shown: (w, h) of the shown picture, to tell what a rendered size is in factors.
     """
     guard = options.guard_band if shown is None else options.guard_band.factors(shown)
-    same = ("warp", "fill", "scene", "effects", "lens", "view")
     own = {"latency": options.latency_ms, "guard": max(guard.x, guard.y)}
-    return {name: getattr(options, name) for name in same} | own
+    names = ("warp", "fill", "scene", "effects", "latency", "guard", "lens", "view")
+    return {name: own[name] if name in own else getattr(options, name) for name in names}
 
 
 def changed(options: LiveOptions, command: Command) -> LiveOptions:

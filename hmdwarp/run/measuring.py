@@ -695,6 +695,7 @@ class Comparison:
             form = (truth.inverse_depth, rendered.view, rendered.size)
             job = metrics.QualityJob(now, previous, coverages[warp][eye], *form, regions=True)
             measured.blocks[number] = metrics.block_means(job.now.shown)
+            # Fills with identical pictures share one measurement.
             same = next((key for key, other in handed_in.get(warp, []) if _same_pictures(job, other)), None)
             key = same or (self._case, warp, measured.combination.fill, number, eye)
             measured.keys.append(key)
@@ -704,7 +705,6 @@ class Comparison:
 
 
 def _same_pictures(one: metrics.QualityJob, other: metrics.QualityJob) -> bool:
-    """Return whether two fills gave identical pictures, so that one measurement serves both."""
     pairs = ((one.now, other.now), (one.previous, other.previous))
     return all(np.array_equal(a.shown, b.shown) for a, b in pairs if a and b)
 

@@ -60,7 +60,6 @@ class _AskedEyes:
     asked: tuple[View, ...]
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
-        """Return them, whatever the head: it is that of the request."""
         return self.asked
 
 
@@ -158,7 +157,6 @@ class _Warping(Renderer):
             return _Client(form, eyes, remote, made, stack.pop_all(), refused=refused)
 
     def recycle(self, frame: Frame) -> None:
-        """Take a picture back."""
         if id(frame) in self._out:
             self._out.pop(id(frame)).proxy.recycle(frame)
         else:

@@ -25,9 +25,8 @@ PATIENCE_S = 5.0  # how long to wait at the end for a disk that does not answer
 class Lines:
     """A new file; a thread of its own writes lines to the disk every half second.
 
-    path: must not exist yet, unless forced. synced: whether to fsync each time, so that even a
-    power cut costs no more than a second. The file always holds whole lines, also after the disk
-    was full.
+    path: must not exist yet, unless forced. synced: whether to fsync each time, against a power
+    cut. The file always holds whole lines, also after the disk was full.
     Errors: InputError for a path that cannot be written, and for a file that exists.
     """
 
@@ -50,10 +49,9 @@ class Lines:
         self._thread.start()
 
     def add(self, text: str) -> None:
-        """Add one or several lines, each with its newline. Takes about a microsecond.
+        """Add one or several lines, each with its newline, in about a microsecond.
 
-        Errors: MachineError (or InputError) for a disk that is full, gone, or so slow that too much
-        waits.
+        Errors: MachineError for a disk that is full, gone, or so slow that too much waits.
         """
         if self._error is not None:
             raise self._error
@@ -76,7 +74,6 @@ class Lines:
 
     @property
     def failed(self) -> bool:
-        """Whether the disk has refused lines; it takes none afterwards."""
         return self._error is not None
 
     def close(self) -> None:
@@ -135,12 +132,11 @@ _TAIL = 4096  # bytes: longer than any row
 
 
 class Recorder:
-    """A native trace whose poses are on the disk half a second after they arrive.
+    """A native trace whose poses are on the disk half a second after they arrive; a context.
 
-    Use as a context manager. The file is created at once, so that a path that cannot be written
-    fails at the start. Poses held while tracking is lost are left out, which leaves a gap; so are
-    those whose time does not increase. With fewer than two poses the file is removed again. path: a
-    new file, unless forced. say: called with a sentence at the end, and where a clock jumps.
+    Poses held while tracking is lost are left out, which leaves a gap; so are those whose time does
+    not increase. With fewer than two poses the file is removed again. say: called with a sentence
+    at the end, and where a clock jumps.
     Errors: InputError for an existing file or a path that cannot be written; MachineError, from add
     and at the end, for a full disk: the lines written before stay, whole.
     """
@@ -178,7 +174,6 @@ class Recorder:
         self._lines.add(header)
 
     def add(self, head: PoseSample) -> None:
-        """Add a pose."""
         if head.origin is Origin.HELD:
             self.held += 1
         elif self.count and head.time_ns <= self._last_ns:
@@ -201,7 +196,6 @@ class Recorder:
         self._inputs.add(event.row)
 
     def flush(self) -> None:
-        """Put the poses so far on the disk; from any thread."""
         for lines in self._files:
             lines.flush()
 
@@ -210,10 +204,7 @@ class Recorder:
         return [lines for lines in (self._inputs, self._lines) if lines is not None]
 
     def save(self) -> str:
-        """Flush, and return where the recording is, "" if there is none; from any thread.
-
-        For a program that cannot close its files any more.
-        """
+        """Flush, and return where the recording is, "" if there is none; from any thread."""
         answered = min([lines.flush() for lines in self._files])
         if not self._is_worth_keeping():
             return ""
@@ -222,7 +213,6 @@ class Recorder:
 
     @property
     def kept(self) -> int:
-        """Number of poses that the disk has taken."""
         return max(0, self._lines.written - self._header_lines)
 
     def _is_worth_keeping(self) -> bool:

@@ -148,10 +148,7 @@ class Measured:
 
 
 class NothingShown(InputError):
-    """A replay over a link that let nothing through in time.
-
-    result: what is known even so; its summary has the reason as `nothing`.
-    """
+    """A replay over a link that let nothing through; result: with the reason as `nothing`."""
 
     def __init__(self, message: str, result: Measured | None = None) -> None:
         super().__init__(message)
@@ -161,9 +158,8 @@ class NothingShown(InputError):
 def measured(
     options: RunOptions, progress: Progress = lambda done, total: None, processes: MeasuringProcesses | None = None
 ) -> Measured:
-    """Run a replay without writing anything.
+    """Run a replay without writing anything; processes: that stay for the next run.
 
-    processes: that stay for the next run; None for processes of its own.
     Errors: as replay; InputError for warp "auto" and for a video.
     """
     if options.warp == AUTO or options.video:
@@ -220,10 +216,7 @@ def _run(setup: ReplayRun, probe: Probe, out: OutputFolder | None, progress: Pro
 
 
 def _rated(setup: ReplayRun, clips: Clips | None, others: Sequence[int] = ()) -> dict[str, Any]:
-    """Return the `jod` of summary.json, or `jod_failure`, which is noted too.
-
-    others: the warps that the run is compared with.
-    """
+    """Return the `jod` of summary.json, beside others, or `jod_failure`, which is noted."""
     if clips is None:
         return {}
     clips.finish()

@@ -198,10 +198,7 @@ class Tolerance:
         return cls(tuple(found), (of_pictures[PIXEL], of_pictures[PIXELS]))
 
     def allows(self, key: str, stored: Any, now: Any) -> bool:
-        """Return whether a figure may change so, by the entries that name it most closely.
-
-        Several such entries: one that allows it is enough.
-        """
+        """Return whether a figure may change so, by the entries that name it most closely."""
         named = {name: f".{key}.".find(f".{name}.") for name, *_ in self.figures}
         found = [name for name, at in named.items() if at >= 0]
         closest = max(found, key=lambda name: (named[name] + len(name), len(name)), default=ALL)
@@ -211,12 +208,10 @@ class Tolerance:
         return report.is_same(key, stored, now, max(most, default=0.0))
 
     def diff(self, first: report.StoredRun, second: report.StoredRun) -> report.RunDiff:
-        """Return what differs between two runs. Errors: as report.diff_runs."""
         return report.diff_runs(first, second, self.allows, self.pixels)
 
 
 def tolerance_field() -> Any:
-    """Return the field of `--tolerance`."""
     return _option(
         Tolerance(),
         "What two runs may differ by, such as 'figures=0.1%, psnr_db=0.05, pixel=2, pixels=0.1%': figures by number or "
@@ -239,7 +234,6 @@ class Verdict:
 
     @property
     def holds(self) -> bool:
-        """Whether it is a success."""
         is_equal = self.diff is None or self.diff.is_equal or self.stores is not None
         return is_equal and all(one.holds for one in self.findings)
 
@@ -266,7 +260,6 @@ class Verdict:
         return "\n".join([self.headline, *self.failures(), *found, *page])
 
     def section(self) -> report.Section:
-        """Return it as the part of a page."""
         styles = ["yes" if one.holds else "no" for one in self.findings]
         found = report.Sentences([one.line() for one in self.findings], styles, "said")
         link = report.Text(Markup('Pictures and charts: <a href="{0}">{0}</a>').format(report.DIFF_PAGE))
@@ -327,16 +320,12 @@ class Requirements(Declared):
     def judge(self, rows: Sequence[Row], others: Sequence[Row] = ()) -> Verdict:
         """Return what came of the requirements.
 
-        rows, others: with the keys of summary.json; others: those of comparisons, which count only
-        where they are named.
+        rows: as summary.json. others: of comparisons, which count only where they are named.
         """
         return Verdict(findings=[found for one in self.require for found in one.findings(rows, others)])
 
     def end(self, verdict: Verdict) -> None:
-        """Write the file of `--junit` and GitHub's step summary, then end by the verdict.
-
-        Errors: RequirementError where it fails; as report.write_bytes.
-        """
+        """Write the files of `--junit` and GitHub. Errors: RequirementError by the verdict."""
         if self.junit is not None:
             report.write_bytes(self.junit, verdict.junit(time.monotonic() - self.began_s))
         page = os.environ.get(STEP_SUMMARY)
@@ -374,8 +363,7 @@ class Gate(Requirements):
     def judge_of(self, out: Path) -> Callable[[Any, report.StoredRun], Verdict] | None:
         """Return what judges a replay that goes to `out`, None where nothing is required of it.
 
-        It takes the result, and the run as it was written. Errors: InputError where the baseline is
-        no replay, or would be overwritten.
+        Errors: InputError where the baseline is no replay, or would be overwritten.
         """
         stored = None
         if self.baseline is None and self.junit is None and not self.require:

@@ -55,8 +55,8 @@ def summary_of(
 ) -> dict[str, Any]:
     """Return the keys of summary.json that are settled when a run begins.
 
-    passes: names of warp, fill and lens. trace: name of the head motion. rate_hz: of the display.
-    trace_axes: in which a recorded trace was read, and who says so. assumptions: of its trace.
+    passes: names of warp, fill and lens. rate_hz: of the display. trace_axes: in which a recorded
+    trace was read, and who says so. assumptions: of its trace.
     """
     options, gpu, source, sizes = run.options, run.target.gpu, run.source, run.sizes
     plan, (view, *_), (warp, fill, lens) = run.loop.compensator.plan, run.target.eyes.views(Pose()), passes
@@ -114,7 +114,6 @@ class ReplayResult:
 
     @property
     def report(self) -> Path:
-        """Path of the page."""
         return self.folder / "report.html"
 
     def __repr__(self) -> str:
@@ -125,15 +124,11 @@ class ReplayResult:
         return f"<ReplayResult {run}: {figures}; {self.report}>"
 
     def _repr_html_(self) -> str:
-        """Return the table that ends a run: a notebook shows it."""
         return summary_html(self.summary, *self.against)
 
 
 def summary_of_rows(setup: ReplayRun, passes: tuple[str, str, str], rows: list[Row]) -> dict[str, Any]:
-    """Return the keys of summary.json for the named passes on the frames of `setup`.
-
-    rows: as of frames.csv; those of one frame may be several.
-    """
+    """Return the keys of summary.json for the named passes; rows: as of frames.csv."""
     name, headset = setup.track.name or setup.trace.path.stem, setup.source.headset
     measured, notes = aggregate(rows), []
     views, size, figures = headset.views(Pose()), setup.sizes.shown, [one.figure for one in metrics_in_order()]
@@ -163,10 +158,7 @@ def summary_of_rows(setup: ReplayRun, passes: tuple[str, str, str], rows: list[R
 def result_of(
     setup: ReplayRun, log: ReplayLog, compared: list[list[Row]], more: dict[str, Any], without_truth: int = 0
 ) -> ReplayResult:
-    """Return the summaries of a run and of its comparisons.
-
-    more: other measurements, by key. without_truth: pictures that were to be measured.
-    """
+    """Return the summaries of a run and of its comparisons; more: other measurements, by key."""
     options, rows = setup.options, log.rows
     if setup.source.scene.inputs:
         first_ns = setup.schedule.first_ns - setup.schedule.age_ns

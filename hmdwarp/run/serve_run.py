@@ -232,10 +232,7 @@ class _Answers:
         return found
 
     def answer(self, asked: Asked) -> None:
-        """Draw and send, unless it would show nothing new.
-
-        Errors: whatever drawing for this client alone may raise.
-        """
+        """Draw and send, unless it would show nothing new. Errors: any of drawing for it."""
         server, listener, ask = self._server, self._listener, asked.ask
         most = server.gpu.max_texture_size
         begun_ns = time.monotonic_ns()
@@ -313,10 +310,7 @@ def _drawn(server: Renderer, asked: Asked, needs: Needs) -> Frame:
 
 
 def _coarser(frame: Frame, ask: message.Ask) -> tuple[Frame, tuple[Layers, ...], message.Ask]:
-    """Return a frame whose pictures are the foveated ones, their grids, and a request of that size.
-
-    Errors: InputError for eyes that would have pictures of two sizes.
-    """
+    """Return a frame of foveated pictures, their grids, and a request of that size."""
     seen = [(eye["foveated"], eye["foveated_depth"]) for eye in frame.eyes]
     small = seen[0][0].grid.small
     if any(colour.grid.small != small for colour, _ in seen):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import unquote
 
 import attrs
@@ -16,9 +16,6 @@ from ..geometry import Pose
 from ..options.named_files import BESIDE, content_of
 from ._mesh import Body, Material, Mesh, Texture
 from ._scene import Panel
-
-if TYPE_CHECKING:
-    from ._gltf_nodes import Driven
 
 
 class Notes:
@@ -136,7 +133,7 @@ class Draft:
     uv: Array  # (n, 2), origin bottom left
     colour: Array  # (n, 3) linear
     body: int = 0  # number of the body, 0 for none
-    driven: Driven | None = None
+    driven: Any = None  # a Driven of _gltf_nodes
     panel: bool = False  # it is sent as a panel, hidden by what is nearer if that is asked for
     occluded: bool = False
 

@@ -23,6 +23,7 @@ from ._viewpoint import EYE_HEIGHT_M, Place, Triangles, add_hints, free_place, i
 from .options import FILE_ENDINGS, SceneOptions
 
 Array = NDArray[np.float64]
+Content = GltfContent | None  # of a glTF file
 SKY = Background((0.30, 0.42, 0.62), (0.72, 0.77, 0.82), (0.32, 0.31, 0.30))
 # The head at rest: where traces are made, a window's viewer begins and OpenXR has its stage.
 STANDING = np.array([0.0, EYE_HEIGHT_M, 0.0])
@@ -66,9 +67,9 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
 
 
 def _put(
-    drafts: Sequence[Draft], path: Path, options: SceneOptions, notes: Notes, textures: list[Texture], content: Any
+    drafts: Sequence[Draft], path: Path, options: SceneOptions, notes: Notes, textures: list[Texture], content: Content
 ) -> Scene:
-    """Return the scene of these drafts, put where the viewer stands. content: of glTF, or None."""
+    """Return the scene of these drafts, put where the viewer stands."""
     if not drafts:
         what = f"{path}: no triangles in it; expected a mesh, not points, lines or an empty scene"
         raise SceneError(f"{what}: make a surface of the points, or export the scene with its meshes")
@@ -108,7 +109,9 @@ def _put(
     return Scene(name, summary, meshes, textures, sky, bodies, **where, **found)
 
 
-def _place(options: SceneOptions, notes: Notes, triangles: Triangles, low: Array, high: Array, content: Any) -> Place:
+def _place(
+    options: SceneOptions, notes: Notes, triangles: Triangles, low: Array, high: Array, content: Content
+) -> Place:
     cameras = [] if content is None else [name for name, _ in content.cameras]
     if options.viewpoint is None:
         found = free_place(triangles, low, high)

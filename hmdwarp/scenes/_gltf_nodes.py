@@ -49,7 +49,16 @@ class Curve:
         if self.kind == "STEP":
             return self._value(key), np.zeros(self.values.shape[-1])
         if self.kind == "CUBICSPLINE":
-            return self._on_spline(key, share, length)
+            t, start, out = share, self.values[key, 1], self.values[key, 2] * length
+            into, end = self.values[key + 1, 0] * length, self.values[key + 1, 1]
+            value = (2 * t**3 - 3 * t**2 + 1) * start + (t**3 - 2 * t**2 + t) * out
+            value = value + (3 * t**2 - 2 * t**3) * end + (t**3 - t**2) * into
+            rate = (6 * t**2 - 6 * t) * (start - end) + (3 * t**2 - 4 * t + 1) * out + (3 * t**2 - 2 * t) * into
+            if self.path != "rotation":
+                return value, rate / length
+            size = max(float(np.linalg.norm(value)), 1e-12)
+            unit = value / size
+            return unit, (rate - unit * (unit @ rate)) / (size * length)
         start, end = self._value(key), self._value(key + 1)
         if self.path != "rotation":
             return start + share * (end - start), (end - start) / length
@@ -60,18 +69,6 @@ class Curve:
 
     def _value(self, key: int) -> Array:
         return np.asarray(self.values[key] if self.kind != "CUBICSPLINE" else self.values[key, 1])
-
-    def _on_spline(self, key: int, t: float, length: float) -> tuple[Array, Array]:
-        start, out = self.values[key, 1], self.values[key, 2] * length
-        into, end = self.values[key + 1, 0] * length, self.values[key + 1, 1]
-        value = (2 * t**3 - 3 * t**2 + 1) * start + (t**3 - 2 * t**2 + t) * out
-        value = value + (3 * t**2 - 2 * t**3) * end + (t**3 - t**2) * into
-        rate = (6 * t**2 - 6 * t) * (start - end) + (3 * t**2 - 4 * t + 1) * out + (3 * t**2 - 2 * t) * into
-        if self.path != "rotation":
-            return value, rate / length
-        size = max(float(np.linalg.norm(value)), 1e-12)
-        unit = value / size
-        return unit, (rate - unit * (unit @ rate)) / (size * length)
 
 
 def _product(p: Array, q: Array) -> Array:

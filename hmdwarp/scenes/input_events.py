@@ -12,16 +12,13 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
 
 from ..errors import InputError, unknown_name
 from .options import SEED, seed_of
-
-if TYPE_CHECKING:
-    from .motions import Reacting
 
 ACTIONS = PUSH, SWITCH, GRAB, RELEASE = ("push", "switch", "grab", "release")
 INPUT_COLUMNS = ("time_ns", "action", "target", "x", "y", "z", "dx", "dy", "dz")
@@ -84,7 +81,7 @@ class InputLog:
     """The inputs of one scene, in the order of their instants, however they came."""
 
     def __init__(self) -> None:
-        self.things: dict[str, Reacting[Any]] = {}  # by the names that inputs have
+        self.things: dict[str, Any] = {}  # what reacts (motions.Reacting), by the names that inputs have
         self.book = InputBook()  # of whom the scene is drawn for; another one is another history
 
     def add(self, event: InputEvent) -> InputEvent | None:
@@ -158,7 +155,7 @@ def take_inputs(log: InputLog, spec: str, span_ns: tuple[int, int], epoch_ns: in
     return lost
 
 
-def _by_seed(seed: int, things: Sequence[Reacting[Any]], start_ns: int, end_ns: int) -> Iterator[InputEvent]:
+def _by_seed(seed: int, things: Sequence[Any], start_ns: int, end_ns: int) -> Iterator[InputEvent]:
     """Yield pushes and switches, EVERY_S apart in the mean: each thing as often, any way level."""
     chance, now_s = random.Random(seed), 0.0
     while things:
@@ -183,20 +180,22 @@ def read_inputs(path: Path) -> list[InputEvent]:
     try:
         lines = path.read_text("utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot read inputs ({error}): expected a CSV file, or --input seed:N") from error
+        why = error.strerror if isinstance(error, OSError) else "it holds bytes that are no text"
+        raise InputError(f"{path}: cannot read inputs ({why}): expected a CSV file, or --input seed:N") from error
     rows = [(number, line.strip()) for number, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
     if not rows or rows[0][1].split(",")[: len(INPUT_COLUMNS)] != [*INPUT_COLUMNS]:
         found = f"'{rows[0][1][:60]}'" if rows else "nothing"
         raise InputError(f"{path}: begins with {found}: expected {INPUTS_HEADER.strip()}")
-    return [_of_row(path, number, text) for number, text in rows[1:]]
-
-
-def _of_row(path: Path, number: int, text: str) -> InputEvent:
-    values = text.split(",")[: len(INPUT_COLUMNS)]
-    try:
-        if len(values) < len(INPUT_COLUMNS):
-            raise InputError(f"{len(values)} values: expected {len(INPUT_COLUMNS)}")
-        x, y, z, *way = map(float, values[3:])
-        return InputEvent(int(values[0]), values[1], values[2], (x, y, z), (way[0], way[1], way[2]))
-    except (ValueError, InputError) as error:
-        raise InputError(f"{path}, line {number}: '{text[:80]}': {error}") from error
+    events = []
+    for number, text in rows[1:]:
+        values = text.split(",")[: len(INPUT_COLUMNS)]
+        try:
+            if len(values) < len(INPUT_COLUMNS):
+                raise InputError(f"{len(values)} values: expected {len(INPUT_COLUMNS)}")
+            x, y, z, *way = map(float, values[3:])
+            events.append(InputEvent(int(values[0]), values[1], values[2], (x, y, z), (way[0], way[1], way[2])))
+        except (ValueError, InputError) as error:
+            numbers = "expected whole nanoseconds, an action, a target and six numbers"
+            said = error if isinstance(error, InputError) else numbers
+            raise InputError(f"{path}, line {number}: '{text[:80]}': {said}") from error
+    return events

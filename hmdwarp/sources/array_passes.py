@@ -19,7 +19,8 @@ from ..gpu.textures import SCALAR, Canvas, allocate, flip_rows, texture_bytes
 # What colour may be: sRGB as bytes, sRGB or linear light as floats.
 SRGB8, SRGB, LINEAR = "srgb8", "srgb", "linear"
 Size = tuple[int, int]
-Pair = tuple[moderngl.Texture, moderngl.Texture]
+Texture = moderngl.Texture
+Pair = tuple[Texture, Texture]
 _RG32UI = 0x823C  # a rgba16f texture, as the bits of its halves
 _TEXEL_BYTES = 16  # of given_colour and given_depth
 # Words of `found` for each picture, as in shaders/image/take_in.comp, which counts ABOVE_ONE and
@@ -308,32 +309,23 @@ class GiveOut(Owner):
         self._byte_of_half = self.own(_byte_table(gpu))
 
     def run(
-        self,
-        shown: Canvas,
-        warped: Canvas,
-        inverse_depth: moderngl.Texture | None,
-        confidence: Canvas | None,
-        result: str,
-        buffers: PixelBuffers,
+        self, shown: Canvas, warped: Canvas, depth: Texture | None, sure: Canvas | None, kind: str, call: PixelBuffers
     ) -> dict[str, moderngl.Buffer]:
-        """Return what `arrays` reads, by name; holes of `warped` are counted in `buffers`."""
-        program = self._gpu.shaders.compute(
-            "image/give_out.comp",
-            RESULT=_RESULTS.index(result),
-            DEPTH=int(inverse_depth is not None),
-            CONFIDENCE=int(confidence is not None),
-        )
+        """Return what `arrays` reads, by name; holes of `warped` are counted in `call`."""
+        # depth: inverse depth, in 1/m. sure: the confidence of what is shown.
+        defines = {"DEPTH": int(depth is not None), "CONFIDENCE": int(sure is not None)}
+        program = self._gpu.shaders.compute("image/give_out.comp", RESULT=_RESULTS.index(kind), **defines)
         for unit, canvas in enumerate((shown, warped)):
             canvas.texture.bind_to_image(unit, read=True, write=False, format=_RG32UI)
-        if inverse_depth is not None:
-            inverse_depth.bind_to_image(2, read=True, write=False)
-        if confidence is not None:
-            confidence.texture.bind_to_image(3, read=True, write=False)
+        if depth is not None:
+            depth.bind_to_image(2, read=True, write=False)
+        if sure is not None:
+            sure.texture.bind_to_image(3, read=True, write=False)
         self._byte_of_half.bind_to_image(4, read=True, write=False)
-        sizes = {"colour": 3 if result == SRGB8 else 12, "coverage": 4}
-        sizes |= {} if inverse_depth is None else {"depth_m": 4}
-        filled_up, found = -(-self._size[0] // 4) * 4 * self._size[1], buffers.found
-        made = {name: buffers.of(filled_up * pixel_bytes, name) for name, pixel_bytes in sizes.items()}
+        sizes = {"colour": 3 if kind == SRGB8 else 12, "coverage": 4}
+        sizes |= {} if depth is None else {"depth_m": 4}
+        filled_up, found = -(-self._size[0] // 4) * 4 * self._size[1], call.found
+        made = {name: call.of(filled_up * pixel_bytes, name) for name, pixel_bytes in sizes.items()}
         for binding, buffer in enumerate((found.buffer, *made.values())):
             buffer.bind_to_storage_buffer(binding)
         program.uniforms.set(shown_size=self._size, slot=found.holes_slot)

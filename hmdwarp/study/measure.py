@@ -9,7 +9,7 @@ measured, at the recorded instants of their first time through.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -58,10 +58,31 @@ def measure_study(
 ) -> Measurements:
     """Measure every complete trial, one after the other.
 
-    Each is in the store when the next begins: running it again resumes. A trial whose trace or
-    settings do not allow it is left out; one whose replay fails leaves the others. progress(done,
-    total): in refreshes, roughly. say: receives a sentence for each trial.
-    Errors: InputError where there is nothing to measure; MachineError while a session runs.
+    Each is in the store when the next begins: running it again resumes.
+
+    Parameters
+    ----------
+    store
+        Of the study; locked for a moment after each trial.
+    options
+        Which trials, and how finely.
+    progress
+        Called with (done, total), in refreshes, roughly.
+    say
+        Called with a sentence for each trial.
+
+    Returns
+    -------
+    Measurements
+        A trial whose trace or settings do not allow it is left out; one whose replay fails leaves
+        the others.
+
+    Raises
+    ------
+    InputError
+        Where there is nothing to measure.
+    MachineError
+        While a session runs.
     """
     contents = store.contents(pilot=options.pilot)
     showings = [showing for showing in contents.showings if showing.complete and showing.trial]
@@ -69,14 +90,13 @@ def measure_study(
         raise InputError(f"{store.folder}: no trial was shown to its end: there is nothing to measure")
     sessions = {session.id: session for session in contents.sessions}
     known, refreshes, cases = 0, [], []
-    left_out: list[str] = []
-    failed: list[Failure] = []
-    of: dict[str, Showing] = {}
+    left_out, failed, of = list[str](), list[Failure](), dict[str, Showing]()
     for showing in showings:
         session = sessions[showing.session]
         try:
             run = run_options(showing, session, store.traces, options)
-            if not options.again and is_known(showing, run):
+            how = _how(run)  # other sizes or steps are not comparable
+            if not options.again and {key: showing.measured.get(key) for key in how} == how:
                 known += 1
                 continue
             steps = showing.actual.get("pictures") or 1
@@ -92,15 +112,31 @@ def measure_study(
             else:
                 failed.append(outcome)
             continue
-        unrated = outcome.data.pop("jod_failure", None)
-        store.measured(of[case.name].id, outcome.data)
-        refreshes.append(outcome.data["refreshes"])
-        say(f"{case.name}: {'; '.join(filter(None, (_figures_text(outcome.data), unrated)))}")
+        data = outcome.data
+        unrated = data.pop("jod_failure", None)
+        store.measured(of[case.name].id, data)
+        refreshes.append(data["refreshes"])
+        figures = [f"{name} {data[name]:.4g}" for name in ("psnr_db", "flip", "flicker") if data[name] is not None]
+        told = f"{counted(data['refreshes'], 'refresh')}, {', '.join(figures)}"
+        told += f", {data['jod']:.2f} JOD" if "jod" in data else ""
+        say(f"{case.name}: {'; '.join(filter(None, (told, unrated)))}")
     return Measurements(len(refreshes), known, tuple(left_out), sum(refreshes), tuple(failed))
 
 
 def _run(case: SweepCase, step: Callable[[float], None]) -> Result:
-    return Result(_measured(case.what, lambda done, total: step(done / max(total, 1))))
+    run = case.what
+    found = measured(run, lambda done, total: step(done / max(total, 1))).summary
+    rated = {"jod": found["jod"]["mean"]} if "jod" in found else {}
+    if "jod_failure" in found:  # not known as rated: the next run tries again
+        rated, run = {"jod_failure": found["jod_failure"]}, attrs.evolve(run, jod_s=0.0)
+    return Result({
+        **{name: found["quality"][name]["mean"] for name in QUALITY},
+        **rated,
+        "refreshes": found["measured"]["psnr_db"] // run.source_kind.eyes,  # eyes with a truth
+        **_how(run),
+        "latency_ms": run.latency_ms,
+        "hmdwarp": __version__,
+    })  # fmt: skip
 
 
 def run_options(showing: Showing, session: Session, traces: Path, options: MeasureOptions) -> RunOptions:
@@ -108,8 +144,7 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
 
     Size and rate are by default those of the display; a headset with unknown optics is replaced by
     the study's. The lens plays no part: quality is measured before it. Over a link that only
-    delays, frames are as old as they really were: a display that shows a picture two refreshes
-    later adds them.
+    delays, frames are as old as they really were, with what a slow display added.
     Errors: InputError where there is no trace, or warp auto chose by the machine's speed.
     """
     actual = showing.actual
@@ -147,46 +182,14 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
     return RunOptions(**{**shared, **replayed})
 
 
-def is_known(showing: Showing, run: RunOptions) -> bool:
-    """Return whether it was measured as `run` would: other sizes or steps are not comparable.
-
-    A trial measured with a rating is also known where none is requested.
-    """
-    how = _how(run)
-    return {key: showing.measured.get(key) for key in how} == how
-
-
 def _how(run: RunOptions) -> dict[str, Any]:
+    """Return what a trial was measured with; one with a rating is known where none is requested."""
     assert run.size is not None
     rated = {"jod_s": run.jod_s} if run.jod_s else {}
     return {"every": run.metrics_every, "size": "x".join(map(str, run.size)), **rated}
-
-
-def _measured(run: RunOptions, progress: Progress) -> dict[str, Any]:
-    found = measured(run, progress).summary
-    means = {name: found["quality"][name]["mean"] for name in QUALITY}
-    pictures = found["measured"]["psnr_db"]
-    eyes_with_truth = run.source_kind.eyes
-    rated = {"jod": found["jod"]["mean"]} if "jod" in found else {}
-    if "jod_failure" in found:  # not known as rated: the next run tries again
-        rated, run = {"jod_failure": found["jod_failure"]}, attrs.evolve(run, jod_s=0.0)
-    return {
-        **means,
-        **rated,
-        "refreshes": pictures // eyes_with_truth,
-        **_how(run),
-        "latency_ms": run.latency_ms,
-        "hmdwarp": __version__,
-    }
 
 
 def _name(showing: Showing, session: Session) -> str:
     """Name a showing, not its condition: the experimenter may be blind too. Each has its own."""
     again = f" showing {showing.presentation}" if showing.presentation > 1 else ""
     return f"{session.sub} session {session.number} {showing.key.replace('/', ' ')}{again}"
-
-
-def _figures_text(data: Mapping[str, Any]) -> str:
-    named = ", ".join(f"{name} {data[name]:.4g}" for name in ("psnr_db", "flip", "flicker") if data[name] is not None)
-    rated = f", {data['jod']:.2f} JOD" if "jod" in data else ""
-    return f"{counted(data['refreshes'], 'refresh')}, {named}{rated}"

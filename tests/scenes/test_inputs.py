@@ -265,7 +265,7 @@ def test_a_file_gives_the_inputs_that_were_written(tmp_path):
         ("a,b\n", "begins with 'a,b': expected time_ns"),
         ("HEADER1,push,ball,0,0,0,0,0\n", "line 2: '1,push,ball,0,0,0,0,0': 8 values: expected 9"),
         ("HEADER1,kick,ball,0,0,0,0,0,1\n", "line 2: .*unknown action 'kick'"),
-        ("HEADER1.5,push,ball,0,0,0,0,0,1\n", "line 2: .*invalid literal for int"),
+        ("HEADER1.5,push,ball,0,0,0,0,0,1\n", "line 2: .*expected whole nanoseconds, an action"),
         ("HEADER1,push,ball,0,0,nan,0,0,1\n", "line 2: .*expected finite numbers"),
         ("HEADER\n1,push,ball,0,0,0,0,0,0\n", "line 3: .*direction of a length from 1e-09"),
         ("HEADER1,push,bell,0,0,0,0,0,1\n", "unknown thing that reacts 'bell': did you mean 'ball'"),

@@ -7,7 +7,9 @@ from where the controller is along where it aims.
 from __future__ import annotations
 
 import ctypes
+import tomllib
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import xr
@@ -184,75 +186,17 @@ BUTTONS = ("left", "right", "up", "down", "confirm", "menu", "pad")
 AXES = ("across", "along", "pad_across", "pad_along")
 ACTS, AIM = ("select", "squeeze"), "aim"
 HANDS = ("/user/hand/left", "/user/hand/right", "/user/gamepad")
-_LEFT, _RIGHT, _PAD = (f"{hand}/input" for hand in HANDS)
-Bindings = tuple[tuple[str, str], ...]  # (button or axis, path)
-
-
-def _both(*pairs: tuple[str, str]) -> Bindings:
-    return tuple((name, f"{hand}/{what}") for hand in (_LEFT, _RIGHT) for name, what in pairs)
-
-
-_AIM, _CLICK, _VALUE = "aim/pose", "trigger/click", "trigger/value"
-_STICK = (("across", "thumbstick/x"), ("along", "thumbstick/y"))
-_TRACKPAD = (("pad_across", "trackpad/x"), ("pad_along", "trackpad/y"), ("pad", "trackpad/click"))
-
-PROFILES: dict[str, Bindings] = {
-    # Two buttons a hand and no stick: each hand's main one moves the marker to its own side. Of the
-    # others, the right hand's confirms, the one most people write with, and the left hand's is the
-    # menu. Long presses mean nothing: a user would not discover them in a headset.
-    "/interaction_profiles/khr/simple_controller": (
-        ("left", f"{_LEFT}/select/click"),
-        ("right", f"{_RIGHT}/select/click"),
-        ("confirm", f"{_RIGHT}/menu/click"),
-        ("menu", f"{_LEFT}/menu/click"),
-        *_both((AIM, _AIM), ("select", "select/click"), ("squeeze", "menu/click")),
-    ),
-    # The right hand's menu button is reserved by the system.
-    "/interaction_profiles/oculus/touch_controller": (
-        *_both(*_STICK, ("confirm", _VALUE), (AIM, _AIM), ("select", _VALUE), ("squeeze", "squeeze/value")),
-        ("confirm", f"{_LEFT}/x/click"),
-        ("confirm", f"{_RIGHT}/a/click"),
-        ("menu", f"{_LEFT}/menu/click"),
-        ("menu", f"{_LEFT}/y/click"),
-        ("menu", f"{_RIGHT}/b/click"),
-    ),
-    "/interaction_profiles/valve/index_controller": _both(
-        *_STICK,
-        ("confirm", _CLICK),
-        ("confirm", "a/click"),
-        ("menu", "b/click"),
-        (AIM, _AIM),
-        ("select", _CLICK),
-        ("squeeze", "squeeze/force"),  # its value is 1 for a hand that merely lies on it
-    ),
-    "/interaction_profiles/htc/vive_controller": _both(
-        *_TRACKPAD,
-        ("confirm", _CLICK),
-        ("menu", "menu/click"),
-        (AIM, _AIM),
-        ("select", _CLICK),
-        ("squeeze", "squeeze/click"),
-    ),
-    "/interaction_profiles/microsoft/motion_controller": _both(
-        *_STICK,
-        *_TRACKPAD,
-        ("confirm", _VALUE),
-        ("menu", "menu/click"),
-        (AIM, _AIM),
-        ("select", _VALUE),
-        ("squeeze", "squeeze/click"),
-    ),
-    "/interaction_profiles/microsoft/xbox_controller": (
-        ("across", f"{_PAD}/thumbstick_left/x"),
-        ("along", f"{_PAD}/thumbstick_left/y"),
-        ("left", f"{_PAD}/dpad_left/click"),
-        ("right", f"{_PAD}/dpad_right/click"),
-        ("up", f"{_PAD}/dpad_up/click"),
-        ("down", f"{_PAD}/dpad_down/click"),
-        ("confirm", f"{_PAD}/a/click"),
-        ("menu", f"{_PAD}/menu/click"),
-        ("menu", f"{_PAD}/y/click"),
-    ),
+_OF = {"left": HANDS[:1], "right": HANDS[1:2], "both": HANDS[:2], "gamepad": HANDS[2:]}
+# (button or axis, path) of each kind of controller.
+PROFILES: dict[str, tuple[tuple[str, str], ...]] = {
+    f"/interaction_profiles/{name}": tuple(
+        (button, f"{hand}/input/{path}")
+        for place, pairs in profile.items()
+        for hand in _OF[place]
+        for button, paths in pairs.items()
+        for path in ([paths] if isinstance(paths, str) else paths)
+    )
+    for name, profile in tomllib.loads(Path(__file__).with_name("controllers.toml").read_text(encoding="utf-8")).items()
 }
 
 

@@ -12,7 +12,6 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
 from typing import TYPE_CHECKING
 
-import attrs
 import moderngl
 import numpy as np
 import xr
@@ -103,18 +102,6 @@ def _stored(texture: moderngl.Texture, kind: int) -> bytes:
 LOST = "tracking lost"
 
 
-@attrs.frozen(eq=False)
-class Drawing:
-    """GPU objects that draw the pictures. They outlast a lost runtime."""
-
-    graphics: Graphics
-    presenter: Presenter
-
-    def close(self) -> None:
-        self.presenter.close()  # before the context it draws in
-        self.graphics.close()
-
-
 class OpenXrDisplay(Connected):
     """display.Display for the headset of the active OpenXR runtime.
 
@@ -132,18 +119,17 @@ class OpenXrDisplay(Connected):
     def __init__(self, options: DisplayOptions) -> None:
         self._options, self._calls = options, Calls(options.watching)
         self.eyes, self.source = RuntimeEyes(), HeadTracker()
-        self._quads: Quads | None = None  # None before the first connection
-        self._drawing: Drawing | None = None  # None before the first connection and after close()
+        # Outlasts a lost runtime; None before the first connection and after close().
+        self._graphics: Graphics | None = None
         try:
             self._open()
         except BaseException:
             self.close()
             raise
-        self.gpu = self._opened().graphics.gpu
 
     def _open(self) -> None:
         self._connection = made = connect(self._calls, self._graphics_for, self.source, self._options.controls)
-        graphics = self._opened().graphics
+        graphics = self._graphics_for(made.instance)
         self.about = {**made.instance.about, "graphics": graphics.name, "space": made.spaces.name}
         self.size = self._options.size or made.recommended
         self.takes_depth = RUNTIME_LABEL if made.has_depth and self._options.depth_layer else ""
@@ -158,15 +144,11 @@ class OpenXrDisplay(Connected):
         self._last_shown_ns = 0
 
     def _graphics_for(self, instance: Instance) -> Graphics:
-        if self._drawing is None:
+        if self._graphics is None:
             graphics = open_graphics(instance, self._options.controls)
-            self._drawing = Drawing(graphics, Presenter(graphics.gpu))
-        return self._drawing.graphics
-
-    def _opened(self) -> Drawing:
-        if self._drawing is None:
-            raise HmdwarpError("the headset's display is closed")
-        return self._drawing
+            self.gpu, self._presenter = graphics.gpu, Presenter(graphics.gpu)
+            self._graphics = graphics
+        return self._graphics
 
     def _connected(self) -> Connection:
         if self._connection is None:
@@ -175,7 +157,7 @@ class OpenXrDisplay(Connected):
 
     @property
     def _mirror(self) -> Mirror | None:
-        return self._opened().graphics.mirror
+        return None if self._graphics is None else self._graphics.mirror
 
     def now_ns(self) -> int:
         return time.monotonic_ns()
@@ -205,11 +187,10 @@ class OpenXrDisplay(Connected):
 
     def show(self, refresh: Refresh | None, label: Label = "") -> int:
         """Submit as Display.show, by the time that xrEndFrame has returned."""
-        frames, presenter = self._connected().frames, self._opened().presenter
+        frames, presenter = self._connected().frames, self._presenter
         if frames.state.should_render and (refresh is not None or label):
-            picture = self._draw(refresh, label)
-            panels = refresh.eyes[0].panels if refresh is not None and self._quads is not None else ()
-            frames.end(picture, *(self._quads.layers(panels) if self._quads is not None and panels else ()))
+            panels = refresh.eyes[0].panels if refresh is not None else ()
+            frames.end(self._draw(refresh, label), *(self._quads.layers(panels) if panels else ()))
         else:
             frames.end()
         submitted_ns = time.monotonic_ns()
@@ -219,7 +200,7 @@ class OpenXrDisplay(Connected):
 
     def _draw(self, refresh: Refresh | None, label: Label) -> ctypes.Structure:
         """Draw both eyes; return the layer to submit."""
-        pictures, presenter = self._pictures, self._opened().presenter
+        pictures, presenter = self._pictures, self._presenter
         notice, black = presenter.notice(label), self.eyes.views(self.source.head_at(self._last_shown_ns).pose)
         for eye, colour in enumerate(pictures.colours):
             result = refresh.eyes[eye] if refresh is not None else None
@@ -266,9 +247,10 @@ class OpenXrDisplay(Connected):
 
     def close(self) -> None:
         self._disconnect()
-        drawing, self._drawing = self._drawing, None
-        if drawing is not None:
-            drawing.close()
+        graphics, self._graphics = self._graphics, None
+        if graphics is not None:
+            self._presenter.close()  # before the context it draws in
+            graphics.close()
 
 
 DEFAULT_HZ = 90.0  # the rate of most headsets

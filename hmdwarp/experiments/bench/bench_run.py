@@ -94,7 +94,7 @@ NAMES = [column.name for column in COLUMNS.values() if column.is_filed]
 def row_of(
     setup: ReplayRun, case: measuring.Case, measured: measuring.Measured, pool: QualityPool, client: Client
 ) -> dict[str, Any]:
-    """Return one row of bench.json: the keys of summary.json, and those of a bench alone."""
+    """Return a row of bench.json: the keys of summary.json, and those of a bench alone."""
     combination = measured.combination
     # Nothing without an oracle.
     pixels, seen, error = (math.fsum(column) for column in zip((0, 0, 0.0), *measured.where_seen, strict=True))
@@ -174,17 +174,14 @@ class Rows(list[dict[str, Any]]):
         return table_of("", columns, self[:MOST_SHOWN]).html()
 
     def to_pandas(self) -> Any:
-        """Return a pandas.DataFrame with one row for each. Errors: MachineError without pandas."""
+        """Return a pandas.DataFrame with one row for each."""
         frame = import_extra("pandas", "pandas", "study").DataFrame(list(self), columns=NAMES)
         kinds = {int: "Int64", float: "float64"}  # Int64 may lack a value, int64 may not
         return frame.astype({name: kinds[COLUMNS[name].kind] for name in NAMES if COLUMNS[name].is_number})
 
 
 def left_out_notes(rows: Sequence[Row], client: Client) -> list[str]:
-    """Return which methods the front and the choice leave out, and what they would gain.
-
-    rows: of bench.json. Empty if the client can run all of them.
-    """
+    """Return which rows of bench.json the front leaves out, and what they would gain."""
     rows = [row for row in rows if row["warp"] != measuring.ORACLE]
     lacking = [row for row in rows if row["lacks"]]
     if not lacking:
@@ -343,10 +340,7 @@ def recipes() -> dict[str, Recipe]:
 
 
 def further(options: BenchOptions) -> tuple[list[BenchOptions], list[str]]:
-    """Return the options of a suite's further parts, one scene or one sequence each.
-
-    And a sentence on each scene that is not there. Errors: as sequences.open; InputError.
-    """
+    """Return the options of a suite's further parts, and a sentence on each missing scene."""
     if not options.suite:
         return [], []
     found, told, folder = [], [], options.also
@@ -472,10 +466,7 @@ def _case(work: BenchCase) -> SweepCase:
 
 
 def _checked(options: BenchOptions, headset: Headset, source: Source) -> tuple[list[BenchCase], list[str]]:
-    """Check everything that needs no GPU; return the cases, and notes on the scenes.
-
-    Errors: InputError and its kin.
-    """
+    """Check everything that needs no GPU; return the cases, and notes on the scenes."""
     rate_hz = options.rate_hz or headset.refresh_hz
     combinations_of(options, None)  # names, before any scene is built
     called, notes = {}, [*notes_on_warps(options), *headset.notes]
@@ -662,10 +653,7 @@ def _joined(rows: Sequence[Row]) -> list[Row]:
 
 
 def _differs(one: Row, other: Row) -> str:
-    """Return how two rows' pictures differ, "" if they do not.
-
-    Errors: InputError where they are of other instants.
-    """
+    """Return how two rows' pictures differ, "" if they do not. Errors: InputError."""
     name = f"{one['trace']}, {one['latency_ms']:g} ms, {one.get('strategy') or one['warp']} + {one['fill']}"
     if one["blocks"].keys() != other["blocks"].keys():
         raise InputError(f"{name}: measured at other instants: run both benches with the same --instants")

@@ -65,7 +65,7 @@ def cases_of(options: BenchOptions) -> list[Case]:
 def warps_of(options: BenchOptions) -> list[str]:
     """Return the warps of the options, or all that warp a late picture with variants and baselines.
 
-    As shortest text, each once. Those of other libraries come last; the oracle has to be named.
+    Each once, as shortest text; those of other libraries last; the oracle has to be named.
     Errors: as parse_warp; MachineError for one of another library that was named and is missing.
     """
     for name in options.warps:
@@ -106,10 +106,7 @@ def _left_out(options: BenchOptions, name: str) -> str:
 
 
 def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combination]:
-    """Return each warp with each fill, and the strategies.
-
-    Without a scene yet, only the names are checked. Errors: as build_plan.
-    """
+    """Return each warp with each fill, and the strategies; without a scene, names are checked."""
     found = []
     for warp, fill in pairs_of(options) if options.warps or not options.strategies else []:
         if warp in PLANLESS:
@@ -130,11 +127,7 @@ def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combinat
 
 
 def pairs_of(options: BenchOptions) -> list[tuple[str, str]]:
-    """Return each warp with each fill, less what is left out where nothing was named.
-
-    As their shortest text. Another library's warp and the oracle have no fill. Errors: as warps_of
-    and parse_fills.
-    """
+    """Return each warp with each fill, less what is left out where nothing was named."""
     chosen = bool(options.warps) or options.fills != FILLS
     fills, pairs = dict.fromkeys(fill_text(parse_fills(text)) for text in options.fills), list[tuple[str, str]]()
     for warp, fill in itertools.product(warps_of(options), fills):

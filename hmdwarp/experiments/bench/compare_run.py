@@ -133,9 +133,8 @@ def over_text(network: LinkOptions) -> str:
 def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, str]], list[tuple[int, int]]]:
     """Return the options of every run, what is left out and why, and pictures: measured, drawn.
 
-    Those not named are left out where the scene does not call for them, where they would do
+    Strategies not named are left out where the scene does not call for them, where they would do
     what another one does, and where recorded frames lack what they send.
-    Errors: as build_plan_for and schedule_for; UnknownNameError for a codec.
     """
     links = options.links
     options = attrs.evolve(options, network=links[0])
@@ -255,11 +254,7 @@ def _row(run: RunOptions, result: Measured, clients: Sequence[Client]) -> dict[s
 
 
 def unfit(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes, client: Client) -> str:
-    """Return why the client cannot do what was measured, "" if it can.
-
-    summary: as summary.json. Its time counts where a GPU measured it: a class's budget is of its
-    own machine, and a software renderer's times say nothing about that.
-    """
+    """Return why the client cannot do what was measured, "" if it can; summary: as summary.json."""
     if "nothing" in summary:
         return str(summary["nothing"])
     reasons = [lacking(plan, client)]
@@ -270,26 +265,23 @@ def unfit(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes, client: Clien
     if summary["link"]["codec"] != "none" and mpx_s > client.decoder_mpx_s:
         reasons.append(f"it takes {mpx_s:.0f} Mpx/s of video, and the client decodes {client.decoder_mpx_s:g}")
     total_ms = summary["time_ms"]["total"]["median"]
+    # A class's budget is of its own machine; a software renderer's times say nothing of that.
     if summary["clock"] == "gpu" and math.isfinite(client.budget_ms) and total_ms > client.budget_ms:
         reasons.append(f"it takes {total_ms:.2f} ms an eye here, and the client has {client.budget_ms:g}")
     return "; ".join(filter(None, reasons))
 
 
 def decoded_mpx_s(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes) -> float:
-    """Return the million pixels of video that the client decodes in a second.
-
-    A proxy sends a picture at each refresh, however often the server draws.
-    """
+    """Return the million pixels of video that the client decodes in a second."""
+    # A proxy sends a picture at each refresh, however often the server draws.
     drawn_hz = None if "proxy" in summary["link"] else summary["server_rate_hz"]
     rate_hz: float = drawn_hz or summary["rate_hz"]
     return video_pixels(frame_bytes(plan.needs, sizes, set(plan.layers))) * rate_hz * 1e-6
 
 
 def start_bytes(summary: Mapping[str, Any]) -> int:
-    """Return the bytes that the client needs before the first picture, besides the first frame.
-
-    Packed where a model says so. One that has not become a picture counts with all that came.
-    """
+    """Return the bytes that the client needs before the first picture, besides the first frame."""
+    # Packed where a model says so; one that has not become a picture counts with all that came.
     return sum(
         int(model.get("first_picture_bytes") or model["arrived_bytes"])
         if "arrived_bytes" in model

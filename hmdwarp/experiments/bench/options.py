@@ -68,7 +68,7 @@ def _suite(what: str) -> Any:
 
 @attrs.frozen(kw_only=True, field_transformer=own_first)
 class BenchOptions(RecordedOptions):
-    """Options of a bench: it runs all combinations of warps, fills, latencies, scenes and so on.
+    """Options of a bench: all combinations of warps, fills, latencies, scenes and so on.
 
     Errors: InputError for a number that makes no sense, and for an empty list.
     """
@@ -225,7 +225,6 @@ class CompareOptions(RecordedOptions):
 
     @property
     def scenes(self) -> tuple[str, ...]:
-        """The scenes."""
         return tuple(suites()[self.suite].compare["scene"][0].split(",")) if self.suite else (self.scene,)
 
     @property

@@ -35,10 +35,7 @@ def suite_entry(name: str, rows: Iterable[Row], sequences: Sequence[Row] = ()) -
 
 
 def compared_entry(name: str, rows: Iterable[Row]) -> dict[str, Any]:
-    """Return `suite` of compare.json, as suite_entry: each strategy over each link at each latency.
-
-    `over` says over which link. A run that showed nothing is in no mean.
-    """
+    """Return `suite` of compare.json: each strategy over each link at each latency."""
     if not name:
         return {}
     by_link: dict[str, list[Row]] = {}
@@ -57,11 +54,10 @@ def compared_entry(name: str, rows: Iterable[Row]) -> dict[str, Any]:
 def over_all(rows: Iterable[Row]) -> list[dict[str, Any]]:
     """Return the means of each method at each latency, over all heads and scenes, the best first.
 
-    Each has `heads`, `scenes`; by measure {mean, interval, p95, p95_interval}, where p95 is that of
-    all pictures; `behind`: how much more FLIP it has than the best of its latency in the same
-    cases; `halves`: see half_of; `where_seen_db`: PSNR where the late frame saw what the eye should
-    see; `rank` {best, interval}: the share of draws in which it is the best by FLIP, and its rank
-    in 95 % of them. The oracle is neither best nor ranked.
+    By measure {mean, interval, p95 of all pictures, p95_interval}; `behind`: how much more FLIP it
+    has than the best of its latency in the same cases; `halves`: see half_of; `where_seen_db`: PSNR
+    where the late frame saw what the eye should see; `rank` {best, interval}: the share of draws in
+    which it is the best by FLIP, and its rank in 95 % of them. The oracle is not ranked.
     """
     by_latency: dict[float, dict[Method, list[Row]]] = {}
     for row in rows:
@@ -155,10 +151,7 @@ class Clusters:
         return {"mean": _mean(values), "interval": interval and list(interval)}
 
     def tail(self, group: Sequence[Row], measure: str) -> dict[str, Any]:
-        """Return p95 of the pictures of all cases, and its interval over the draws.
-
-        95 % of the pictures are at least as good.
-        """
+        """Return p95 of the pictures of all cases, and its interval over the draws."""
         import numpy as np
 
         at = [list(row["at_instants"][measure].values()) for row in group]
@@ -198,12 +191,11 @@ def ranks_of(methods: Mapping[Method, Sequence[Row]]) -> dict[Method, dict[str, 
 def clustered_interval(
     values: Sequence[float], heads: Sequence[str], scenes: Sequence[str]
 ) -> tuple[float, float] | None:
-    """Return the 95 % interval of a mean of cases that share heads and scenes.
+    """Return the 95 % interval of a mean of cases that share heads and scenes; None for few.
 
-    None below three of each. The variances of the sums by head and by scene are added, that of
-    single cases taken off; it is at least the larger of the two. Each has the correction for few
-    clusters, and Student's t as many degrees of freedom as there are clusters of the rarer kind,
-    less one.
+    The variances of the sums by head and by scene are added, that of single cases taken off; it is
+    at least the larger of the two. Each has the correction for few clusters, and Student's t as
+    many degrees of freedom as there are clusters of the rarer kind, less one.
     Source: Cameron, Gelbach and Miller 2011, Robust Inference With Multiway Clustering, 2.2.
     """
     kinds: tuple[Sequence[object], ...] = (heads, scenes, range(len(values)))

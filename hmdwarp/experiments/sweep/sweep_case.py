@@ -297,9 +297,9 @@ def run_on_cluster(
 ) -> Iterator[Outcome]:
     """Yield each case with its result or failure as it comes back; each file crosses once.
 
-    cluster: as --cluster. in_turn: one group after the other, each on the worker that ran the one
-    before it, for as long as that lives. Errors: InputError for files too large to cross;
-    MachineError for a cluster that cannot be reached, is lost, or has another program.
+    in_turn: one group after the other, each on the worker that ran the one before it, while that
+    lives. Errors: InputError for files too large to cross; MachineError for a cluster that cannot
+    be reached, is lost, or has another program.
     """
     distributed: Any = import_extra("distributed", "dask.distributed", "cluster")
     for name in [*logging.root.manager.loggerDict]:
@@ -310,54 +310,41 @@ def run_on_cluster(
         for name, found in client.run(whole_program_hash, on_error="return").items():
             if found != whole_program_hash():
                 raise MachineError(_other_program(name))
-        sender, waiting = _Sender(client, work), deque(groups_of(cases))
+        sent: dict[Any, list[SweepCase]] = {}  # what is under way
+        kept, token, waiting = dict[str, Any](), uuid.uuid4().hex[:8], deque(groups_of(cases))
+
+        def send(before: Any = None) -> Any:
+            group, places = waiting.popleft(), dict[str, Path]()
+            ready = [attrs.evolve(case, what=packed(case.what, places.__setitem__)) for case in group]
+            for found in places.keys() - kept.keys():
+                # As a task, not as data placed on a worker: it outlives any worker.
+                kept[found] = client.submit(bytes, bytes_of(places[found]), key=f"hmdwarp-file-{found}")
+            files, key = {found: kept[found] for found in places}, f"hmdwarp-{group[0].identity}-{token}"
+            task = (run_here, work, ready, whole_program_hash(), files, before)
+            future = client.submit(*task, key=key, pure=False)
+            sent[future] = group
+            return future
+
         # Groups sent and not back: one for each worker here, as what waits on a worker counts as
         # run there when that dies of another. A scheduler elsewhere gets all: it may start workers.
         local = re.fullmatch(LOCAL, cluster)
         ahead = 1 if in_turn else int(local[1]) if local else len(waiting)
-        completed = distributed.as_completed(
-            [sender.send(waiting.popleft()) for _ in range(min(ahead, len(waiting)))], loop=client.loop
-        )
+        completed = distributed.as_completed([send() for _ in range(min(ahead, len(waiting)))], loop=client.loop)
         try:
             for future in completed:
                 if future.status in ("pending", "lost"):  # its worker died with the result: it is run again
                     completed.add(future)
                     continue
-                yield from _outcomes(distributed, future, sender.sent.pop(future), cluster)
+                yield from _outcomes(distributed, future, sent.pop(future), cluster)
                 if waiting:
                     # In turn: a task runs where what it depends on lies.
-                    before = future if in_turn and future.status == "finished" else None
-                    completed.add(sender.send(waiting.popleft(), before))
+                    completed.add(send(future if in_turn and future.status == "finished" else None))
                 future.release()
         except (OSError, asyncio.CancelledError, concurrent.futures.CancelledError) as error:
             raise _lost(cluster) from error
         finally:
             with suppress(Exception):  # of a scheduler that is gone
-                client.cancel(list(sender.sent))
-
-
-class _Sender:
-    """Sends groups of cases with the files that they need, each file once."""
-
-    def __init__(self, client: Any, work: Work) -> None:
-        self._client, self._work, self._token = client, work, uuid.uuid4().hex[:8]
-        self._files: dict[str, Any] = {}
-        # What is under way.
-        self.sent: dict[Any, list[SweepCase]] = {}
-
-    def send(self, group: list[SweepCase], before: Any = None) -> Any:
-        """Return the future of a group. Errors: InputError for files too large to cross."""
-        places: dict[str, Path] = {}
-        ready = [attrs.evolve(case, what=packed(case.what, places.__setitem__)) for case in group]
-        for found, place in places.items():
-            if found not in self._files:
-                # As a task, not as data placed on a worker: it outlives any worker.
-                self._files[found] = self._client.submit(bytes, bytes_of(place), key=f"hmdwarp-file-{found}")
-        files, key = {found: self._files[found] for found in places}, f"hmdwarp-{group[0].identity}-{self._token}"
-        task = (run_here, self._work, ready, whole_program_hash(), files, before)
-        future = self._client.submit(*task, key=key, pure=False)
-        self.sent[future] = group
-        return future
+                client.cancel(list(sent))
 
 
 def run_here(

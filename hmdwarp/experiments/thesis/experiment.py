@@ -178,11 +178,10 @@ def number_of(text: str, runs: Sequence[Figures]) -> float | None:
 
     runs: the figures of the cell's runs, in their order. "only FIGURE OVER": of the one run, over a
     number. "change FIGURE": from the first run to the last. "ratio FIGURE OF EXPECTED": of the last
-    run's to the first's `OF`; EXPECTED is the ratio that is 1. "least_growth FIGURE": the least
-    ratio of a share to that of the run before it. "least_step", "greatest_step FIGURE": of the
-    differences from run to run. "closed LEFT WHOLE": the part of the holes that the last run does
-    not leave. "growth_exponent FIGURE": n where it grows as pixels to the power of n. "none": the
-    program has no such thing.
+    run's to the first's OF; EXPECTED is the ratio that is 1. "least_growth FIGURE": the least ratio
+    of a share to that of the run before. "least_step", "greatest_step FIGURE": of the differences
+    from run to run. "closed LEFT WHOLE": the part of the holes that the last run does not leave.
+    "growth_exponent FIGURE": n where it grows as pixels to the power of n. "none": there is none.
     """
     kind, *words = text.split()
     if kind == "none":
@@ -282,8 +281,7 @@ def verdict_of(findings: Iterable[Finding]) -> Verdict:
 def settings_text(findings: Sequence[Finding], holds: bool | None) -> str:
     """Return the settings whose findings are so, as in "sideways 0.25 m/s (200, 400 ms); rotate".
 
-    The columns of a row are named unless all of them are so; rows with the same columns share them.
-    "" where there are none.
+    The columns of a row are named unless all of them are so; rows with the same share them.
     """
     all_columns: dict[str, list[str]] = {}
     columns: dict[str, list[str]] = {}
@@ -392,9 +390,8 @@ def experiments() -> tuple[Experiment, ...]:
 
 
 def experiments_named(names: Sequence[str]) -> tuple[Experiment, ...]:
-    """Return the experiments of these names in the order of the page; all for no name.
+    """Return the experiments that begin with these names, in the order of the page; all for none.
 
-    A beginning stands for all that begin so: "ratings", or "fig28" for "fig28-30".
     Errors: UnknownNameError.
     """
     known = [each.name for each in experiments()]
@@ -451,11 +448,7 @@ QUICK_SIZE = (160, 100)
 
 @attrs.frozen(kw_only=True, field_transformer=own_first)
 class ThesisOptions(ExperimentOptions):
-    """Which experiments of the thesis to run again, and how large.
-
-    Errors: UnknownNameError for an unknown experiment; InputError for a size with
-    `quick`.
-    """
+    """Which experiments of the thesis to run again, and how large. Errors: InputError."""
 
     out: Path = out_field(attrs.NOTHING, "Folder for thesis.html, results.json, results.csv and the folder cases.")
     only: tuple[str, ...] = option(

@@ -56,8 +56,7 @@ def holes_of(
 ) -> Holes:
     """Tell the kinds of holes apart: where was the true surface of each hole in the late frame?
 
-    coverage, truth_inverse_depth: (h, w), top row first, of the shown view; rendered_inverse_depth:
-    (h, w), top row first, of the late frame.
+    All (h, w), top row first; coverage and truth_inverse_depth of the shown view.
     """
     hole = flip_rows(np.asarray(coverage) == 0)
     there = np.argwhere(hole)
@@ -82,8 +81,7 @@ def holes_of(
 def seam(shown: Map, truth: Map, filled: NDArray[np.bool_], warped: NDArray[np.bool_]) -> float | None:
     """Return the mean false step, 0..1, between filled pixels and the warped ones next to them.
 
-    The step of the picture from one to the other, less that of the truth. shown, truth: (h, w, 3)
-    sRGB bytes. None where a filled pixel has no such neighbour.
+    Of the picture less that of the truth, (h, w, 3) sRGB bytes; None without such neighbours.
     """
     error = shown.astype(np.float32) - truth.astype(np.float32)
     total, count = 0.0, 0
@@ -177,10 +175,7 @@ def beyond(figures: Figures, least: Figures) -> Figures:
 
 
 def look(runs: Sequence[PictureRun], how: Thoroughness, folder: Path) -> Iterator[Looked]:
-    """Measure runs that share their frames. folder: for the trace of the head.
-
-    Errors: as set_up_replay and build_plan.
-    """
+    """Measure runs that share their frames. folder: for the trace of the head."""
     first = runs[0]
     assert {run.shared for run in runs} == {first.shared}
     moved = first.motion
@@ -295,10 +290,7 @@ class _Watcher:
 
 
 def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
-    """Return what the frames of one eye weigh and how late they are, and their time line as SVG.
-
-    scale: of each side of the pictures. Errors: as replay.
-    """
+    """Return what the frames of one eye weigh and how late they are, and their time line as SVG."""
     width, height = (max(16, round(side * scale)) for side in run.size)
     network = LinkOptions(server_rate_hz=run.server_hz)
     if run.bandwidth_mbit is not None:  # all that a frame goes through delays it

@@ -42,8 +42,7 @@ def run_thesis(
 
     Each run is a case. ratings: what the published ratings say; a function of a module, as it
     crosses to other machines by pickle. progress(done, total): in runs. say: gets a sentence.
-    Errors: InputError and its kin for a folder that cannot be written, MachineError for what the
-    machine lacks; that of the run where none of several was done.
+    Errors: InputError, MachineError; that of the run where none of several was done.
     """
     chosen = list(thesis.experiments_named(options.only))
     if options.quick:  # the middle speed of each motion
@@ -87,11 +86,7 @@ class ThesisPart:
 
 
 def cases_of(runs: Sequence[thesis.Run], pictured: set[thesis.Run], how: Thoroughness) -> list[SweepCase]:
-    """Return a case for each run.
-
-    Those that are timed are one group, as are those on the same frames. pictured: whose pictures
-    are kept.
-    """
+    """Return a case for each run; pictured: whose pictures are kept."""
     cases = []
     for run in runs:
         also, group = ("study/",) if isinstance(run, thesis.RatingsRun) else _ALSO, ""
@@ -183,10 +178,7 @@ def figures_by_run(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> di
 
 
 def judge(experiment: thesis.Experiment, figures: Mapping[thesis.Run, thesis.Figures]) -> dict[str, Any]:
-    """Return an experiment as plain data, with the number of each cell and the verdict.
-
-    A cell one of whose runs failed has no number.
-    """
+    """Return an experiment as plain data, with the number of each cell and the verdict."""
     findings = []
     for cell in experiment.cells:
         known = [figures[run] for run in cell.runs if run in figures]

@@ -13,7 +13,6 @@ import re
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
@@ -23,10 +22,8 @@ from ...errors import InputError, TraceError, unknown_name
 from .. import quaternions
 from ..assumptions import AXES_BY, DIRECTION, Assumption, By, Fact
 from ..options import DIRECT, INVERSE
-
-if TYPE_CHECKING:
-    from ..track import PoseSample
-    from .text_table import Recording
+from ..track import PoseSample
+from .text_table import Recording
 
 Array = NDArray[np.float64]
 

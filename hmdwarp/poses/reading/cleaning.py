@@ -567,8 +567,7 @@ def _rotations(r: Recording) -> None:
     if hopeless.any():
         row = int(hopeless.argmax())
         what = f"a quaternion of length {norm[row]:.3g}, expected 1: {q[row].tolist()}"
-        why = "were the wrong columns read, or is the row damaged?"
-        raise TraceError(f"{r.where}: line {r.line[row]}: {what}; {why}")
+        raise TraceError(f"{r.where}: line {r.line[row]}: {what}; were the wrong columns read, or is the row damaged?")
     median = float(np.median(norm))
     if abs(median - 1) > _MEDIAN_NORM:
         what = f"half of the quaternions are longer than {median:.3g}, expected 1"

@@ -21,7 +21,7 @@ from .axes import OPENXR, parse_axes
 from .pose_messages import COLUMNS as MESSAGES
 from .text_table import BILLION, CAVEATS, DATE, UNITS_NS, Head
 
-_ORDER_ASSUMED, _UNSTAMPED = (Defect(kind, **told) for kind, told in CAVEATS.items())
+_ORDER_ASSUMED, _UNSTAMPED = (Defect(kind, told["what"], told["done"]) for kind, told in CAVEATS.items())
 _MIXED = 4  # rows of several devices change from one to another at least every fourth time
 _CLOCKED = 0.9  # share of the steps in which a clock rises
 _OFF = 0.02  # of a rotation's matrix

@@ -26,7 +26,6 @@ from ...options.documents import DocumentError, json_in, parse_json
 from ...options.named_files import FACTS, LIST, content_of, text_in
 from ..assumptions import By, Defect
 from ..options import Euler
-from .axes import parse_axes
 from .header import COMMENT_SIGNS, LENGTHS, Made, find_columns, head_rank, named_matrices, names_rotation, rows_text
 
 _LEAST_RECORDS = 2
@@ -432,10 +431,11 @@ def _bids_facts(stem: str, channels: list[dict[str, str]], at: dict[str, int]) -
     letters = zip(str(frame.get("SpatialAxes", "")), "xyz", strict=False)  # "ARS": x ahead, y right, z up
     ways = {_DIRECTIONS[s][0]: f"{_DIRECTIONS[s][1]}{axis}" for s, axis in letters if s in _DIRECTIONS}
     if len(ways) == 3:
-        axes = ",".join(ways[way] for way in ("right", "up", "ahead"))
-        hand = "right-hand" if np.linalg.det(parse_axes(axes).world) > 0 else "left-hand"
+        three = [ways[way] for way in ("right", "up", "ahead")]
+        rows = [np.eye(3)["xyz".index(axis[-1])] * (-1 if axis[0] == "-" else 1) for axis in three]
+        hand = "left-hand" if np.linalg.det(rows) > 0 else "right-hand"
         against = str(frame.get("RotationRule", hand)) != hand
-        facts |= {"axes": axes, "axes_by": By.FILE, "against": against}
+        facts |= {"axes": ",".join(three), "axes_by": By.FILE, "against": against}
     order = str(frame.get("RotationOrder", "")).lower()
     if sorted(order) == ["x", "y", "z"] and turn.get("units") in ("deg", "rad"):
         facts |= {"euler": Euler(order, turn["units"] == "deg"), "order_by": By.FILE}

@@ -219,9 +219,6 @@ def bag_at(path: Path) -> Path | None:
     return found[0] if len(found) == 1 else None
 
 
-Logged = tuple[str, int, Any]  # topic, time in ns and message
-
-
 class Bag:
     """The topics and messages of a bag, which stays open as long as this is used.
 
@@ -247,7 +244,9 @@ class Bag:
         # Type by topic, as ROS 1 names it: sensor_msgs/Image.
         self.topics = {each.topic: each.msgtype.replace("/msg/", "/") for each in self._reader.connections}
 
-    def messages(self, topics: Collection[str], first_ns: Any = None, last_ns: Any = None) -> Iterator[Logged]:
+    def messages(
+        self, topics: Collection[str], first_ns: int | None = None, last_ns: int | None = None
+    ) -> Iterator[tuple[str, int, Any]]:
         """Yield topic, time of logging in ns and message, of the instants from first to last."""
         chosen = [connection for connection in self._reader.connections if connection.topic in topics]
         stop_ns = None if last_ns is None else last_ns + 1

@@ -68,8 +68,7 @@ class _Unpacked(gzip.GzipFile):
         try:
             data = super().read(size)
         except (EOFError, gzip.BadGzipFile, zlib.error) as error:
-            why = f"its gzip data are damaged ({error})"
-            raise TraceError(f"{self._path}: {why}: pack or copy it again") from None
+            raise TraceError(f"{self._path}: its gzip data are damaged ({error}): pack or copy it again") from None
         if self.tell() > self._most:
             raise TraceError(f"{self._path}: more than {self._most} bytes, unpacked: expected a shorter recording")
         return data
@@ -292,7 +291,7 @@ class Recording:
     taken: str = ""  # the device whose rows are kept
     segments: list[Segment] = attrs.field(factory=list)
     jumps: NDArray[np.int64] = attrs.field(factory=lambda: np.zeros(0, np.int64))
-    judged: Any = None  # its axes, see `axes.JudgedAxes`
+    judged: Any = None  # its axes, by axes.JudgedAxes
 
     def __len__(self) -> int:
         return len(self.line)

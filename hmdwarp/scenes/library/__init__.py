@@ -20,7 +20,7 @@ from ...geometry import Pose
 from ...registry import Registry
 from .._draft import Notes
 from .._gltf_file import GltfFile
-from .._mesh import Ball, Body, Deformation, Material, Mesh, Quad, Texture, checker
+from .._mesh import Ball, Body, Material, Mesh, Quad, Texture, checker
 from .._scene import Background, Lamp, Panel, Scene
 from ..input_events import InputLog
 from ..motions import Bouncing, Hinged, Pendulum, Spinning, Still, Switched, Thrown, Track, Waving
@@ -66,18 +66,14 @@ def _mesh(file: GltfFile, node: dict[str, Any], textures: Sequence[Texture]) -> 
         field: file.numbers(attributes[key], name) for field, key in _FIELDS.items() if key in attributes
     }
     if "skin" in node:
-        arrays["deformation"] = _skin(file, node["skin"], primitive, arrays["positions"])
+        from .._gltf_nodes import Nodes, skinned  # it brings SciPy, and most scenes do without
+
+        notes, rest = Notes(file.path), arrays["positions"].astype(np.float64)
+        arrays["deformation"] = skinned(file, Nodes(file, notes), node["skin"], primitive, rest, notes)
     arrays["triangles"] = file.numbers(primitive["indices"], name, 1).reshape(-1, 3)
     texture = index[gltf["name"]] if "name" in gltf else -1
     body, double_sided = node.get("extras", {}).get("body", 0), gltf.get("doubleSided", False)
     return Mesh(name, texture=texture, double_sided=double_sided, material=Material(**settings), body=body, **arrays)
-
-
-def _skin(file: GltfFile, skin: int, primitive: dict[str, Any], rest: NDArray[Any]) -> Deformation:
-    from .._gltf_nodes import Nodes, skinned  # it brings SciPy, and most scenes do without
-
-    notes = Notes(file.path)
-    return skinned(file, Nodes(file, notes), skin, primitive, rest.astype(np.float64), notes)
 
 
 def _arrays(file: GltfFile) -> Arrays:

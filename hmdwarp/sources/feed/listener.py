@@ -16,7 +16,6 @@ from typing import Any
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry import View, inverse_depth_from_metres
@@ -154,15 +153,26 @@ class Listener:
         self._receive(0 if self._turn() else min(wait_ms, _LOOK_MS) if waits else wait_ms)
         # While a frame is drawn nobody listens, and who asks meanwhile is not silent.
         self._connections.listened_ns = time.monotonic_ns()
-        self._forget_ended()
-        who = self._turn()
-        if who is None:
+        now_ns, gone = time.monotonic_ns(), set()
+        while self._connections.gone:
+            gone.add(self._connections.gone.popleft())
+        for who, client in list(self._clients.items()):
+            if now_ns - client.received_ns > SILENT_NS:
+                self._cut(who, f"cut, silent for {SILENT_NS // 10**9} s")
+            elif client.connection in gone:
+                self._forget(who, "disconnected")
+        while self._connections.cuts:
+            address, why = self._connections.cuts.popleft()
+            self._log.say(f"cut {why}", address, f"{address} cut: {why}")
+        self._log.next_second()
+        turn = self._turn()
+        if turn is None:
             return None
-        client = self._clients[who]
-        self._drawn_for, self._begun_ns = (who, time.monotonic_ns()), client.spent_ns
+        client = self._clients[turn]
+        self._drawn_for, self._begun_ns = (turn, time.monotonic_ns()), client.spent_ns
         assert client.ask is not None, "it has a turn"
         (ask, received_ns), client.ask = client.ask, None
-        return Asked(who, ask, received_ns)
+        return Asked(turn, ask, received_ns)
 
     def _turn(self) -> bytes | None:
         """Return the next client to draw for: start-time fair queueing (Goyal, Vin, Cheng 1996)."""
@@ -265,20 +275,6 @@ class Listener:
         client.received_ns, client.newest, client.ask = now_ns, ask.number, (ask, now_ns)
         if connection is not None:
             connection.heard_ns, connection.asks, client.connection = now_ns, True, connection
-
-    def _forget_ended(self) -> None:
-        now_ns, gone = time.monotonic_ns(), set()
-        while self._connections.gone:
-            gone.add(self._connections.gone.popleft())
-        for who, client in list(self._clients.items()):
-            if now_ns - client.received_ns > SILENT_NS:
-                self._cut(who, f"cut, silent for {SILENT_NS // 10**9} s")
-            elif client.connection in gone:
-                self._forget(who, "disconnected")
-        while self._connections.cuts:
-            address, why = self._connections.cuts.popleft()
-            self._log.say(f"cut {why}", address, f"{address} cut: {why}")
-        self._log.next_second()
 
     def _forget(self, who: bytes, why: str) -> None:
         client = self._clients.pop(who)
@@ -434,18 +430,17 @@ def _run(listener: Listener, render: Render, goes_on: Callable[[], bool]) -> Non
         if not len(colours) == len(depths) == len(at) == len(views):
             found = f"{len(colours)} colours, {len(depths)} depths and {len(at)} views"
             raise InputError(f"render returned {found}: expected {len(views)} of each, as it was given")
-        pairs = [_pair(np.asarray(c), np.asarray(d), ask.size[::-1]) for c, d in zip(colours, depths, strict=True)]
+        pairs: list[tuple[Any, Any]] = []
+        shape: tuple[int, ...] = ask.size[::-1]
+        for colour, depth_m in ((np.asarray(c), np.asarray(d)) for c, d in zip(colours, depths, strict=True)):
+            if depth_m.shape != shape or colour.shape not in ((*shape, 3), (*shape, 4)):
+                found = f"colour {colour.shape} and depth {depth_m.shape}"
+                raise InputError(f"render returned {found}: expected {(*shape, 3)} and {shape}")
+            covered = colour[..., 3] > 0 if colour.shape[2] == 4 else np.ones(shape, bool)
+            picture, metres = as_pictures(colour, depth_m)
+            inverse = inverse_depth_from_metres(metres)
+            inverse[np.isnan(inverse)] = -1
+            pairs.append((np.dstack([picture, np.uint8(255) * covered]), inverse.astype(np.float32)))
         sent_ns = time.monotonic_ns()
         times = (ask.number, ask.sent_ns, asked.received_ns, sent_ns, sent_ns - begun_ns, ask.time_ns)
         listener.answer(asked, FrameMessage(*times, at, tuple(one for one, _ in pairs), tuple(one for _, one in pairs)))
-
-
-def _pair(colour: NDArray[Any], depth_m: NDArray[Any], shape: tuple[int, ...]) -> tuple[NDArray[Any], NDArray[Any]]:
-    if depth_m.shape != shape or colour.shape not in ((*shape, 3), (*shape, 4)):
-        found = f"colour {colour.shape} and depth {depth_m.shape}"
-        raise InputError(f"render returned {found}: expected {(*shape, 3)} and {shape}")
-    covered = colour[..., 3] > 0 if colour.shape[2] == 4 else np.ones(shape, bool)
-    picture, depth_m = as_pictures(colour, depth_m)
-    inverse = inverse_depth_from_metres(depth_m)
-    inverse[np.isnan(inverse)] = -1
-    return np.dstack([picture, np.uint8(255) * covered]), inverse.astype(np.float32)

@@ -320,7 +320,7 @@ def _packed_ask(ask: Ask) -> tuple[int, list[Piece]]:
     if ask.wanted is not None:
         body.append(parts.packed_wanted(ask.wanted))
     if hides:
-        body += map(parts.packed_area, ask.views)
+        body += [parts.packed_area(view.hidden, view.fov) for view in ask.views]
     if (own := ask.session) is not None:
         body.append(_SESSION_HEAD.pack(own.number, own.age_ns, own.only_changes, len(own.fates)))
         body += [_FATE.pack(fate.number, fate.arrived, fate.heard_ns) for fate in own.fates]

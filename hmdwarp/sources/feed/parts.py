@@ -14,7 +14,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import Fov, Hidden, View
+from ...geometry import Fov, Hidden
 from . import bounds
 
 Size = tuple[int, int]
@@ -204,13 +204,11 @@ AREA_BYTES = 2 * _COLUMNS  # of one eye
 _FINE = (_COLUMNS * 8, _ROWS * 4)  # pixels over which the seen rows are found
 
 
-def packed_area(view: View) -> bytes:
-    """Return first seen row and end of each column, in 255ths from below; 0 and 0 where none is."""
-    return bytes([0, _ROWS]) * _COLUMNS if view.hidden is None else _area_bytes(view.hidden, view.fov)
-
-
 @functools.lru_cache(maxsize=16)
-def _area_bytes(hidden: Hidden, fov: Fov) -> bytes:
+def packed_area(hidden: Hidden | None, fov: Fov) -> bytes:
+    """Return first seen row and end of each column, in 255ths from below; 0 and 0 where none is."""
+    if hidden is None:
+        return bytes([0, _ROWS]) * _COLUMNS
     rows = hidden.rows(fov, _FINE).reshape(_COLUMNS, -1, 2)
     seen = rows[..., 0] < rows[..., 1]
     first = np.where(seen, rows[..., 0], _FINE[1]).min(axis=1) // 4

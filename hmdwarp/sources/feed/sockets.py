@@ -221,8 +221,18 @@ class Connections:
                 self._leave(descriptor)
             come = [self._note(one) for one, kind in last.items() if kind == self._zmq.EVENT_ACCEPTED]
             for new in come:
-                if new is not None and self._of.get(new.wire.descriptor) is new:
-                    self._make_place(new)
+                if new is None or self._of.get(new.wire.descriptor) is not new:
+                    continue
+                places = self._places
+                crowd = crowd_of(places.clients, places.visitors, new.address, places.per_address)
+                if crowd is None:
+                    continue
+                # The newcomer has made no request either, and came last.
+                every = [one for one in self._of.values() if one is not new and one.address in crowd[0]]
+                idle = (one for one in every if not one.asks or self.listened_ns - one.heard_ns > IDLE_NS)
+                first = min(idle, key=lambda one: (one.asks, one.heard_ns), default=new)
+                if not ((first is new or first.asks) and places.web_yields(crowd[0])):
+                    self.cut(first, crowd[1])
         return len(events) < _MOST_EVENTS
 
     def _note(self, descriptor: int) -> Connection | None:
@@ -236,17 +246,6 @@ class Connections:
             places.clients = places.clients + Counter([new.address])
             return new
         return None
-
-    def _make_place(self, new: Connection) -> None:
-        places = self._places
-        if (crowd := crowd_of(places.clients, places.visitors, new.address, places.per_address)) is None:
-            return
-        # The newcomer has made no request either, and came last.
-        every = [one for one in self._of.values() if one is not new and one.address in crowd[0]]
-        idle = (one for one in every if not one.asks or self.listened_ns - one.heard_ns > IDLE_NS)
-        first = min(idle, key=lambda one: (one.asks, one.heard_ns), default=new)
-        if not ((first is new or first.asks) and places.web_yields(crowd[0])):
-            self.cut(first, crowd[1])
 
     def _give_way(self, addresses: Collection[str]) -> bool:
         with self._lock:

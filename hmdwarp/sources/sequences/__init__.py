@@ -1,10 +1,8 @@
 """Recorded frames with depth: one file of them, or a sequence that a reader recognises.
 
-    sequence = sequences.open("folder")
-    for frame in sequence.frames:
-        frame.colour, frame.depth_m, frame.pose, frame.fov, frame.time_ns
-
-Names are in __init__.pyi; each loads its module at first use.
+sequence = sequences.open("folder")
+for frame in sequence.frames:
+frame.colour, frame.depth_m, frame.pose, frame.fov, frame.time_ns
 """
 
 import lazy_loader

@@ -182,19 +182,15 @@ def _draws_of_cell(chunks: Chunks, *cell: Any) -> Draws:
 SRGB8_ALPHA8 = 0x8C43
 
 
+# What the surfaces with a texture emit: a texture of its own times a linear colour.
+Shine = tuple[moderngl.Texture, tuple[float, ...]]
+
+
 @attrs.frozen(eq=False)
 class Batch:
     texture: moderngl.Texture
     double_sided: bool  # whether both sides of a triangle are visible; else back faces are culled
     emission: Shine
-
-
-@attrs.frozen(eq=False)
-class Shine:
-    """What the surfaces with a texture emit: a texture of its own times a linear colour."""
-
-    texture: moderngl.Texture
-    factor: tuple[float, ...] = (0.0, 0.0, 0.0)
 
 
 def upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
@@ -227,7 +223,7 @@ class SceneTextures:
         self._gpu, self.revision = gpu, 0  # it counts changes
         self._made = [made(texture) for texture in (*scene.textures, _WHITE)]
         self._shines = {
-            index: Shine(upload_texture(gpu, Texture("emission", one.image, repeat=one.repeat)), one.factor)
+            index: (upload_texture(gpu, Texture("emission", one.image, repeat=one.repeat)), one.factor)
             for index, one in ((index, texture.emission) for index, texture in enumerate(scene.textures))
             if one
         }
@@ -236,7 +232,7 @@ class SceneTextures:
         return self._made[index]
 
     def shine(self, index: int) -> Shine:
-        return self._shines.get(index) or Shine(self._made[-1])
+        return self._shines.get(index) or (self._made[-1], (0.0, 0.0, 0.0))
 
     def put(self, index: int, image: NDArray[np.uint8]) -> None:
         self._made[index].write(_texels(image))
@@ -245,7 +241,7 @@ class SceneTextures:
 
     def close(self) -> None:
         release_all(*(texture for texture in self._made if not self._gpu.hand_back(texture)))
-        release_all(*(shine.texture for shine in self._shines.values()))
+        release_all(*(texture for texture, _ in self._shines.values()))
 
 
 class SceneBuffers(Owner):
@@ -428,9 +424,8 @@ def _checked(mesh: Mesh, what: str, values: NDArray[Any]) -> NDArray[np.float32]
 def moving_parts(gpu: Gpu, scene: Scene, textures: SceneTextures) -> tuple[Moving, ...]:
     surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
     numbers = sorted({mesh.body for mesh in surfaces if mesh.body})
-    bodies = [
-        MovingBody(gpu, scene, [mesh for mesh in surfaces if mesh.body == number], textures) for number in numbers
-    ]
+    of_bodies = [[mesh for mesh in surfaces if mesh.body == number] for number in numbers]
+    bodies = [MovingBody(gpu, scene, meshes, textures) for meshes in of_bodies]
     return (*bodies, *(DeformingMesh(gpu, scene, mesh, textures) for mesh in surfaces if mesh.deformation is not None))
 
 
@@ -659,9 +654,6 @@ class ScenePasses(Owner):
     def _world_from_ndc(self, view: View) -> Array:
         return world_from_ndc(view)
 
-    def _world_from_ndc(self, view: View) -> Array:
-        return world_from_ndc(view)
-
     def _set_background(self, view: View) -> None:
         if self._colour:
             sky = self.scene.background
@@ -683,8 +675,8 @@ def draw_chunks(
         if uniforms is not None:
             batch.texture.use(0)
             if emits:
-                batch.emission.texture.use(EMISSION_UNIT)
-                uniforms.set(emission=EMISSION_UNIT, emission_factor=batch.emission.factor)
+                batch.emission[0].use(EMISSION_UNIT)
+                uniforms.set(emission=EMISSION_UNIT, emission_factor=batch.emission[1])
         for first, count in spans:
             vertices.render(moderngl.TRIANGLES, vertices=count, first=first)
 

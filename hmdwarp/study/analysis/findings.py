@@ -83,12 +83,6 @@ def _spread(rated: pd.Series, info: ScaleInfo) -> Row:
     return dict(zip(names, figures, strict=True))
 
 
-def friedman_row(table: pd.DataFrame) -> Row | None:
-    """Return Friedman's test over those who rated everything; None where they are too few."""
-    found = st.friedman(table.to_numpy())
-    return found and found._asdict() | {"conditions": table.shape[1], "w": st.kendalls_w(found)}
-
-
 def reference_votes(table: pd.DataFrame, references: Sequence[str], info: ScaleInfo) -> Row | None:
     """Return how each participant rated the hidden reference against the median of their others.
 
@@ -99,32 +93,11 @@ def reference_votes(table: pd.DataFrame, references: Sequence[str], info: ScaleI
         return None
     own, others = table[list(references)].mean(axis=1), table.drop(columns=references).median(axis=1)
     worse_by = (info.sign * (own - others)).dropna()
-    same = worse_by.abs() <= _EQUAL
-    flat = (table.max(axis=1) - table.min(axis=1))[same[same].index] <= _EQUAL
-    missed = worse_by[worse_by > _EQUAL].index.tolist()
-    counts = {"rated": len(worse_by), "better": int((worse_by < -_EQUAL).sum()), "same": int(same.sum())}
+    same = worse_by.index[worse_by.abs() <= _EQUAL]
+    flat = (table.max(axis=1) - table.min(axis=1))[same] <= _EQUAL
+    counts = {"rated": len(worse_by), "better": int((worse_by < -_EQUAL).sum()), "same": len(same)}
+    missed = worse_by.index[worse_by > _EQUAL].tolist()
     return {**counts, "flat": int(flat.sum()), "missed": missed, "references": list(references)}
-
-
-def place_residuals(rows: pd.DataFrame) -> list[Row]:
-    """Return each rating less its participant's and its condition's mean, by place of its trial."""
-    rated = rows[rows["value"].notna() & (rows["place"] > 0)]
-    means = [rated.groupby(name)["value"].transform("mean") for name in ("participant", "condition")]
-    rest = rated["value"] - means[0] - means[1] + rated["value"].mean()
-    return [{"place": int(place), "rest": float(own)} for place, own in zip(rated["place"], rest, strict=True)]
-
-
-def missing_rows(ratings: Ratings, scale: str) -> list[Row]:
-    """Return every missing rating with its reason."""
-    lacking = ratings.rows[(ratings.rows["scale"] == scale) & ratings.rows["value"].isna()]
-    found = lacking[["participant", "part", "condition", "session", "why_missing"]]
-    return list(found.rename(columns={"why_missing": "why"}).to_dict("records"))
-
-
-def session_counts(ratings: Ratings) -> Row:
-    """Return how sessions ended: counts, and the sessions that are not complete."""
-    cut = ratings.sessions[ratings.sessions["status"] != "complete"].rename(columns={"planned": "of"})
-    return {"counts": ratings.sessions["status"].value_counts().sort_index().to_dict(), "cut": cut.to_dict("records")}
 
 
 def order_effects(rows: pd.DataFrame) -> Row:

@@ -11,10 +11,22 @@ from typing import Any
 import attrs
 
 from ...options import PAPER, PaperOptions
-from ...report import ALPHA, OutputFolder, counted, listed, p_is, pair_text, plain, signed, write_paper
-from ...report.study import csv_tables, study_page
+from ...report import (
+    ALPHA,
+    OutputFolder,
+    counted,
+    csv_tables,
+    listed,
+    p_is,
+    pair_text,
+    plain,
+    signed,
+    study_page,
+    write_paper,
+)
 from ...resources import __version__, made_with
 from ..design import SHIPPED, Family
+from ..statistics import friedman, kendalls_w
 from . import findings
 from .findings import LEAST_PEOPLE, Claims, Resampling, correlation_data, families_for, load_claims
 from .long_table import Ratings, ScaleInfo, SourceOptions, from_csv
@@ -58,6 +70,8 @@ def analyse(
     people = [*zip(ratings.rows["part"], ratings.rows["participant"], strict=True)]
     people += [*zip(ratings.preferences["part"], ratings.preferences["participant"], strict=True)]
     questionnaires, asked_once = findings.questionnaire_rows(ratings)
+    sittings = ratings.sessions
+    cut = sittings[sittings["status"] != "complete"].rename(columns={"planned": "of"}).to_dict("records")
     return {
         "schema": SCHEMA,
         "hmdwarp": __version__,
@@ -74,7 +88,7 @@ def analyse(
         "missing": int(ratings.rows["value"].isna().sum()),
         "scales": [_on_scale(ratings, name, compare, resampling, claims) for name in ratings.rated_scales()],
         "preferences": said_of_preferences(findings.preference_results(ratings, compare, resampling)),
-        "sittings": findings.session_counts(ratings),
+        "sittings": {"counts": sittings["status"].value_counts().sort_index().to_dict(), "cut": cut},
         "sickness": findings.sickness_rows(ratings),
         "questionnaires": questionnaires,
         "asked_once": asked_once,
@@ -84,10 +98,11 @@ def analyse(
 def _on_scale(
     ratings: Ratings, scale: str, families: Sequence[Family], resampling: Resampling, claims: Claims | None
 ) -> Row:
-    info = ratings.scale_info[scale]
+    info, table = ratings.scale_info[scale], ratings.rows
     rows = findings.compared(ratings, scale, families, resampling)
     copied = findings.copied_rows(ratings, scale, resampling.seed)
     published = [] if claims is None else [findings.checked(one, rows, ratings, scale) for one in claims.claims]
+    lacking = table[(table["scale"] == scale) & table["value"].isna()].rename(columns={"why_missing": "why"})
     return {
         "measure": attrs.asdict(info),
         "comparisons": [row | {"sentence": sentence_of_comparison(row, info)} for row in rows],
@@ -99,24 +114,29 @@ def _on_scale(
         "copied": [row | {"sentence": sentence_of_copied(row)} for row in copied],
         "claims": [row | {"sentence": sentence_of_claim(row, claims.title, info)} for row in published if claims],
         "why_step": "" if claims is None else claims.why_step,
-        "missing": findings.missing_rows(ratings, scale),
-        "prediction": correlation_data(ratings.rows, scale),
+        "missing": lacking[["participant", "part", "condition", "session", "why"]].to_dict("records"),
+        "prediction": correlation_data(table, scale),
     }
 
 
 def _part(ratings: Ratings, part: str, scale: str, families: Sequence[Family], resampling: Resampling) -> Row:
     info, table, rows = ratings.scale_info[scale], ratings.table(part, scale), ratings.of(part, scale)
-    test, effects = findings.friedman_row(table), findings.order_effects(rows)
+    test, effects = friedman(table.to_numpy()), findings.order_effects(rows)
+    of_test = test and {**test._asdict(), "conditions": table.shape[1], "w": kendalls_w(test)}
     reference = findings.reference_votes(table, ratings.references(part), info)
+    # Each rating less its participant's and its condition's mean, by place of its trial.
+    rated = rows[rows["value"].notna() & (rows["place"] > 0)]
+    means = [rated.groupby(name)["value"].transform("mean") for name in ("participant", "condition")]
+    rest = rated["value"] - means[0] - means[1] + rated["value"].mean()
     found = {
         "part": part,
         "participants": len(table),
         "conditions": findings.condition_rows(ratings, part, scale),
-        "friedman": test,
-        "friedman_sentence": sentence_of_friedman(test, part),
+        "friedman": of_test,
+        "friedman_sentence": sentence_of_friedman(of_test, part),
         "order": effects,
         "order_sentences": sentences_of_order(effects, info),
-        "places": findings.place_residuals(rows),
+        "places": [{"place": int(at), "rest": float(own)} for at, own in zip(rated["place"], rest, strict=True)],
         "reference": reference,
         "reference_sentence": sentence_of_reference(reference),
     }

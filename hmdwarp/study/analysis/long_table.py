@@ -25,7 +25,6 @@ from ..design import ONLY_PART, SHIPPED, Design, Family, every_scale, load_desig
 from ..export.export_rows import (
     CANNOT_SAY,
     NOT_ASKED,
-    SessionData,
     answer_row,
     of_origin,
     sessions_of,
@@ -172,64 +171,53 @@ def _place(settings: Mapping[str, Any]) -> tuple[Any, ...]:
 
 
 def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> Ratings:
-    """Return the ratings of one origin; every session is read by the plan that it ran with."""
+    """Return the ratings of one origin; every session is read by the plan that it ran with.
+
+    A study that does not name its only part has no part's name.
+    """
     kept = of_origin(contents, origin)
     if not kept.sessions:
         raise InputError(no_sessions(contents, origin, "analyse"))
     rows: dict[str, list[dict[str, Any]]] = {"rows": [], "survey": [], "preferences": [], "sessions": []}
+    only = [part.name for part in design.parts] == [ONLY_PART]
     for data in sessions_of(kept, design):
-        session, judged = data.session, []
+        session, judged, name = data.session, set[int](), "" if only else data.session.part
         scored = {scale.name for scale in data.plan.scales if scale.kind == RATING}
         for ask in data.asks.values():
-            row = answer_row(design, data, ask) | {"place": ask.trial}
+            row = answer_row(design, data, ask) | {"place": ask.trial, "part": name}
             row["why_missing"] = _WHY.get(row["why_missing"] or "", "")
             if ask.scale.kind == PREFERENCE:
-                rows["preferences"].append(
-                    row | _pair(data, ask.about) | {"answer": row["value"], "allows_ties": ask.scale.allows_ties}
-                )
+                second, part = data.shows[ask.about], data.plan.part(session.part)
+                row |= {"second": second.condition.name, "answer": row["value"], "allows_ties": ask.scale.allows_ties}
+                row["reference"] = next((one.name for one in part.conditions if one.reference), "")
+                rows["preferences"].append(row)
             elif ask.scale.kind == RATING and ask.phase == "trial":
                 planned = data.shows[ask.about].condition.settings.items()
-                settings = {"latency_ms" if name == "latency" else name: value for name, value in planned}
+                settings = {"latency_ms" if key == "latency" else key: value for key, value in planned}
                 rows["rows"].append(row | {"settings": settings})
             else:  # a rating before or after the trials is of no condition
                 if row["value"] is not None and ask.scale.name not in scored:
                     rows["survey"].append(row)
                 continue
-            if row["value"] is not None:
-                judged.append(ask.trial)
-        about = {"participant": session.sub, "part": session.part, "session": session.number, "status": session.status}
-        counts = {"rated": len(set(judged)), "planned": sum(map(len, session.order))}
+            judged |= {ask.trial} if row["value"] is not None else set()
+        about = {"participant": session.sub, "part": name, "session": session.number, "status": session.status}
+        counts = {"rated": len(judged), "planned": sum(map(len, session.order))}
         rows["sessions"].append({**about, "why": session.why, **counts})
-    found = Ratings(
+    families = design.families
+    if only:
+        unnamed = (tuple(attrs.evolve(one, part="") for one in family.comparisons) for family in families)
+        families = tuple(Family(family.name, made) for family, made in zip(families, unnamed, strict=True))
+    return Ratings(
         **rows,
         scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales if scale.kind == RATING},
-        families=design.families,
-        planned={part.name: tuple(condition.name for condition in part.conditions) for part in design.parts},
+        families=families,
+        planned={"" if only else part.name: tuple(one.name for one in part.conditions) for part in design.parts},
         origin=origin,
         source=f"the store of '{contents.name}'",
         title=design.title,
         scales={scale.name: scale for scale in every_scale(design)},
         notes=tuple(_notes(contents, kept, design, origin)),
     )
-    return _without_part(found) if [*found.planned] == [ONLY_PART] else found
-
-
-def _pair(data: SessionData, about: str) -> dict[str, Any]:
-    """Return what was shown first and second, and the hidden reference."""
-    second = data.shows[about]
-    conditions = data.plan.part(data.session.part).conditions
-    reference = next((condition.name for condition in conditions if condition.reference), "")
-    return {"first": data.shows[second.after].condition.name, "second": second.condition.name, "reference": reference}
-
-
-def _without_part(ratings: Ratings) -> Ratings:
-    """Drop the part's name where the plan has only one part and does not name it."""
-    families = tuple(
-        attrs.evolve(family, comparisons=tuple(attrs.evolve(c, part="") for c in family.comparisons))
-        for family in ratings.families
-    )
-    tables = {name: getattr(ratings, name).assign(part="") for name in ("rows", "sessions", "survey", "preferences")}
-    return attrs.evolve(ratings, families=families, planned={"": ratings.planned[ONLY_PART]}, **tables)
 
 
 def _notes(contents: Contents, kept: Contents, design: Design, origin: str) -> Iterable[str]:

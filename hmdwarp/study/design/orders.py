@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ..scales import FIRST, NEITHER
-from .definitions import FIXED, PAIR, RANDOM, WILLIAMS, Design
+from .definitions import FIXED, PAIR, RANDOM, Design
 
 _BETWEEN = "/"  # no condition's name has it
 
@@ -107,11 +107,34 @@ def rows_for(design: Design, part: str) -> tuple[Order, ...]:
     way round, and so does each second repeat.
     The same file gives the same orders on every machine and with every version of Python.
     """
-    names = presented(design, part)
-    rows = _rows(design, part, names)
+    names, orders = presented(design, part), tuple[Order, ...]()
+    if design.order == FIXED:
+        orders = ((names,) * design.repeats,)
+    elif design.order == RANDOM:
+        orders = tuple(_random_order(design, part, names, row) for row in range(RANDOM_ROWS))
+    else:
+        orders = _williams_orders(_shuffled(names, design.seed, "williams", part), design.repeats)
     if design.shows != PAIR:
-        return rows
-    return (*map(_alternating, rows), *(_alternating(row, 1) for row in rows))
+        return orders
+
+    def alternating(order: Order, first: int) -> Order:
+        """Turn the pairs of every second repeat. first: 1 to begin with turned ones."""
+        return tuple(tuple(map(turned, names)) if (repeat + first) % 2 else names for repeat, names in enumerate(order))
+
+    return tuple(alternating(order, first) for first in (0, 1) for order in orders)
+
+
+def _williams_orders(names: tuple[str, ...], repeats: int) -> tuple[Order, ...]:
+    """Return the order that begins with each row of the square.
+
+    The mirrored half of an odd square moves the other way: see _seam_shifts.
+    """
+    n, shifts, square, orders = len(names), _seam_shifts(len(names), repeats), williams(len(names)), list[Order]()
+    for row in range(len(square)):
+        half, place = divmod(row, n)
+        rows = [square[half * n + (place + (-shift if half else shift)) % n] for shift in shifts]
+        orders.append(tuple(tuple(names[number] for number in row) for row in rows))
+    return tuple(orders)
 
 
 def presented(design: Design, part: str) -> tuple[str, ...]:
@@ -123,31 +146,6 @@ def presented(design: Design, part: str) -> tuple[str, ...]:
 def trials_of(design: Design, part: str) -> int:
     """Return the number of trials of a session."""
     return len(presented(design, part)) * design.repeats
-
-
-def _alternating(order: Order, first: int = 0) -> Order:
-    """Turn the pairs of every second repeat. first: 1 to begin with turned ones."""
-    return tuple(tuple(map(turned, names)) if (repeat + first) % 2 else names for repeat, names in enumerate(order))
-
-
-def _rows(design: Design, part: str, names: tuple[str, ...]) -> tuple[Order, ...]:
-    if design.order == FIXED:
-        return ((names,) * design.repeats,)
-    if design.order == RANDOM:
-        return tuple(_random_order(design, part, names, row) for row in range(RANDOM_ROWS))
-    assert design.order == WILLIAMS
-    drawn = _shuffled(names, design.seed, "williams", part)
-    shifts = _seam_shifts(len(names), design.repeats)
-    square = williams(len(names))
-    return tuple(_rows_of(square, row, shifts, drawn) for row in range(len(square)))
-
-
-def _rows_of(square: tuple[tuple[int, ...], ...], row: int, shifts: Sequence[int], names: Sequence[str]) -> Order:
-    """Return the order from that row on; the mirrored half moves the other way."""
-    n = len(names)
-    half, place = divmod(row, n)
-    rows = [square[half * n + (place + (-shift if half else shift)) % n] for shift in shifts]
-    return tuple(tuple(names[number] for number in row) for row in rows)
 
 
 def _seam_shifts(n: int, repeats: int) -> tuple[int, ...]:

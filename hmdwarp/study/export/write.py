@@ -261,7 +261,11 @@ class _Tree:
         events = [row | {"onset": 0.0} for row in tables.event_rows(session, self.shows[session.id], [showing])]
         columns = tables.RUN_EVENTS
         if acted.is_file():
-            events += tables.input_rows(read_inputs(acted), track.start_ns + track.epoch_ns)
+            try:
+                events += tables.input_rows(read_inputs(acted), track.start_ns + track.epoch_ns)
+            except InputError as error:
+                how = "mend that line, or delete the file to do without, and export again with --force"
+                raise InputError(f"{error}; {how}") from error
             columns = tables.INPUT_EVENTS
         self._events(session, f"motion/{self._stem(session)}_run-{run:02d}", events, columns)
         stem = f"motion/{self._stem(session)}_tracksys-{tracking_system(facts)[0]}_run-{run:02d}"

@@ -48,8 +48,8 @@ def test_all_else_stays_as_it_is_in_batches_of_any_size(tmp_path, monkeypatch):
     with (tmp_path / "rated" / "bench.csv").open(encoding="utf-8", newline="") as file:
         written = [float(row["jod"]) for row in csv.DictReader(file)]
     assert written == [row["jod"]["mean"] for row in rated.data["rows"]]
-    monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.GPU_BATCH_BYTES", 1)
-    monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.MEMORY_PART", 0.0)
+    monkeypatch.setattr("hmdwarp.run.measuring.GPU_BATCH_BYTES", 1)
+    monkeypatch.setattr("hmdwarp.run.measuring.MEMORY_PART", 0.0)
     alone = bench(attrs.evolve(RATED, out=tmp_path / "alone"))
     assert [row["jod"] for row in alone.data["rows"]] == [row["jod"] for row in rated.data["rows"]]
 

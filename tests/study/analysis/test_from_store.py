@@ -15,7 +15,7 @@ import pytest
 from together import together
 
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.report.study import study_page
+from hmdwarp.report import study_page
 from hmdwarp.resources import import_extra
 from hmdwarp.study.analysis.findings import claims_for
 from hmdwarp.study.analysis.full_analysis import analyse, analysis_folder, write_analysis

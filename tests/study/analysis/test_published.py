@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from together import together
 
 from hmdwarp.errors import InputError
-from hmdwarp.report import p_text, signed
-from hmdwarp.report.study import study_page
+from hmdwarp.report import p_text, signed, study_page
 from hmdwarp.study.analysis.findings import MEASURES, claims_for, correlation_data, load_claims, within_people
 from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo, SourceOptions, from_csv, ratings_from

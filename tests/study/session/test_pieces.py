@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import attrs
 import numpy as np
@@ -14,7 +15,7 @@ from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.study import actual_of
 from hmdwarp.study.actual import NOTHING, NUMBERS
-from hmdwarp.study.design import Ask, Sickness
+from hmdwarp.study.design import Ask, Condition, Show, Sickness
 from hmdwarp.study.dialogs.choice_dialogs import PageDialog, TextDialog
 from hmdwarp.study.dialogs.dialog_panels import CONTROLLERS
 from hmdwarp.study.line_console import ConsoleState, checked_answer, parse_line
@@ -32,6 +33,25 @@ from .sessions import BLUE, RED, closing, picture, run
 def test_frames_are_under_way_for_longer_than_any_latency():
     assert runner.first_picture_wait_s([]) == runner.first_picture_wait_s([0.0]) == SETTLED_S
     assert runner.first_picture_wait_s([0.0, 2500.0]) == pytest.approx(2.5 + SETTLED_S)
+
+
+def test_pictures_begin_with_a_frame_from_after_the_head_started_anew():
+    """One that arrived before is of another place of the head, however long ago that was."""
+    now_ns, restarts = [0], []
+    display = SimpleNamespace(now_ns=lambda: now_ns[0], restart=lambda: restarts.append(now_ns[0]))
+    nothing = {"received": lambda *_: [], "tell": lambda *_, **__: None, "begin_step": lambda *_: None}
+    context, refresh = SimpleNamespace(display=display, **nothing), SimpleNamespace(head=None)
+    trial = runner.TrialHandler(context, Show("trial/1", 1, Condition("late"), 5.0), 0, None, 0.5, None)
+    trial.arrived(refresh)  # while the head is where it was
+    now_ns[0] = round(runner.LEAD_S * 1e9)
+    trial.handle(())
+    assert restarts == now_ns
+    now_ns[0] += 2_000_000_000
+    trial.handle(())
+    assert not trial.pictures, "they begin with the frame that arrived before"
+    trial.arrived(refresh)
+    trial.handle(())
+    assert trial.pictures
 
 
 def columns(**known: list[float]):

@@ -770,7 +770,8 @@ def nerfstudio(at: Folder) -> None:
     at.notes = _files.unread_notes(file, every, _READ_KEYS)
     if len(whole) < len(entries):
         at.notes.insert(0, f"{len(entries) - len(whole)} frames were left out: they have no depth_file_path.")
-    stated = {key: _positive(file, key, data) for key in _SCALE_KEYS if data.get(key) is not None}
+    positive = partial(_files.number_of, expected="a number above 0", above=0)
+    stated = {key: positive(file, key, data[key]) for key in _SCALE_KEYS if data.get(key) is not None}
     if data.get("depth_scale") is not None:
         stated["depth_scale"] = _files.scale_of(file, data["depth_scale"])
     if len(set(stated.values())) > 1 and at.options.depth_scale is None:
@@ -780,7 +781,8 @@ def nerfstudio(at: Folder) -> None:
     if scale is None:  # by default in nerfstudio; instant-ngp has none
         scale, scale_by = _UNIT, By.FORMAT if whole[0].get(_DEPTH_KEYS[0]) else By.DEFAULT
     at.scale = scale
-    unit = 1 / (_positive(file, "applied_scale", data) or 1.0)
+    applied = data.get("applied_scale")
+    unit = 1.0 if applied is None else 1 / positive(file, "applied_scale", applied)
     wheres = [f"{file}, frame {number}" for number in range(len(whole))]
     poses = at.poses(((where, one.get("transform_matrix")) for where, one in zip(wheres, whole, strict=True)), unit)
     times = _times(at, wheres, whole)
@@ -809,11 +811,6 @@ def _picture(file: Path, where: str, name: object) -> Path:
     path = named_in(file.parent, name)
     tried = [path, *(path.with_name(path.name + ending) for ending in PICTURES)] if not path.suffix else [path]
     return next((path for path in tried if path.exists()), path)
-
-
-def _positive(where: str | Path, key: str, data: Mapping[str, Any]) -> float | None:
-    value = data.get(key)
-    return None if value is None else _files.number_of(where, key, value, "a number above 0", above=0)
 
 
 def _times(at: Folder, wheres: list[str], whole: list[Mapping[str, Any]]) -> list[int]:

@@ -76,10 +76,8 @@ class Part(Owner, ABC):
 
     def kept(self, use: str, size: tuple[int, int], kind: tuple[int, str] = COLOUR, *, depth: bool = True) -> Target:
         """Return a target that belongs to the part, one for each use and size."""
-        gl = self.context.gpu.gl
-        return self._kept.made(
-            (use, size), lambda: Target(allocate(gl, size, kind), allocate(gl, size, SCALAR) if depth else None)
-        )
+        gl, kinds = self.context.gpu.gl, (kind, SCALAR) if depth else (kind,)
+        return self._kept.made((use, size), lambda: Target(*(allocate(gl, size, one) for one in kinds)))
 
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:

@@ -6,7 +6,7 @@ occluded, by depth peeling. Source: Everitt 2001, Interactive Order-Independent 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, ClassVar
 
@@ -217,7 +217,7 @@ def _farthest_first(squared: Array) -> NDArray[np.intp]:
 
 
 class SheetsPart(Part):
-    has: ClassVar[Callable[[Scene, Mesh], bool]]  # whether a mesh of the scene is one of its sheets
+    has: ClassVar[staticmethod[[Scene, Mesh], bool]]  # whether a mesh of the scene is one of its sheets
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)

@@ -129,7 +129,7 @@ class Views(Part):
         before, self._before = self._before, (place, drawing.time_ns)
         passed_s = (drawing.time_ns - before[1]) * 1e-9 if before is not None else 0.0
         velocity = (place - before[0]) / passed_s if before is not None and passed_s > 0 else np.zeros(3)
-        motion = EyeMotion.of(first, velocity, drawing.age_ns * 1e-9)
+        motion = motion_of(first, velocity, drawing.age_ns * 1e-9)
         size = (max(1, drawing.size[0] // _COARSE), max(1, drawing.size[1] // _COARSE))
         count = drawing.needs.get("views", 0)
 
@@ -146,34 +146,19 @@ class Views(Part):
         return eye.having(views=tuple(self.context.draw(view, size, drawing.of_light(view, size)) for view in views))
 
 
-@attrs.frozen(eq=False)
-class EyeMotion:
-    """How far an eye goes while a frame is under way: two vectors in the world, in metres."""
-
-    along: Array
-    across: Array
-
-    @classmethod
-    def of(cls, view: View, velocity_m_s: Array, age_s: float) -> EyeMotion:
-        """Return the motion of an eye, at least LEAST_M, across it level; at rest to the right."""
-        way = np.asarray(velocity_m_s, np.float64) * age_s
-        length = float(np.linalg.norm(way))
-        right, _, back = view.pose.rotation_matrix.T
-        along = way / length if length > 1e-9 else right
-        across = np.cross(along, _UP)
-        if np.linalg.norm(across) < 1e-3:
-            across = right
-        elif length <= 1e-9:
-            across = back
-        reach = max(length, LEAST_M)
-        return cls(reach * along, reach * across / np.linalg.norm(across))
-
-    def candidates(self) -> list[Array]:
-        ways = (self.along, -self.along, self.across, -self.across)
-        return [ring * way for ring in RINGS for way in ways]
-
-    def expected(self) -> list[Array]:
-        return [along * self.along + across * self.across for along, across in EXPECTED]
+def motion_of(view: View, velocity_m_s: Array, age_s: float) -> tuple[Array, Array]:
+    """Return how far an eye goes, at least LEAST_M: metres along its way, and across it, level."""
+    way = np.asarray(velocity_m_s, np.float64) * age_s
+    length = float(np.linalg.norm(way))
+    right, _, back = view.pose.rotation_matrix.T
+    along = way / length if length > 1e-9 else right  # at rest to the right
+    across = np.cross(along, _UP)
+    if np.linalg.norm(across) < 1e-3:
+        across = right
+    elif length <= 1e-9:
+        across = back
+    reach = max(length, LEAST_M)
+    return reach * along, reach * across / np.linalg.norm(across)
 
 
 def moved(view: View, way: Array) -> View:
@@ -181,20 +166,25 @@ def moved(view: View, way: Array) -> View:
     return View(pose, view.fov, view.head_from_eye)
 
 
-def chosen(view: View, size: Size, motion: EyeMotion, count: int, depth_of: Callable[[View], Array]) -> list[Array]:
+def chosen(
+    view: View, size: Size, motion: tuple[Array, Array], count: int, depth_of: Callable[[View], Array]
+) -> list[Array]:
     """Return the places of `count` further pictures, relative to the eye, the most useful first.
 
     Each is the candidate that leaves the least of the expected pictures unseen, the nearer of two.
     depth_of: returns inverse depth of (w, h) `size`, -1 for none, the bottom row first.
     """
-    expected = [(target, depth_of(target)) for way in motion.expected() for target in [moved(view, way)]]
+    along, across = motion
+    targets = [moved(view, ahead * along + aside * across) for ahead, aside in EXPECTED]
+    expected = [(target, depth_of(target)) for target in targets]
 
     def seen_from(way: Array) -> NDArray[np.bool_]:
         place = moved(view, way)
         held = depth_of(place)
         return np.stack([seen(place, held, target, wanted, size) for target, wanted in expected])
 
-    known, left = seen_from(np.zeros(3)), [(way, seen_from(way)) for way in motion.candidates()]
+    candidates = [ring * way for ring in RINGS for way in (along, -along, across, -across)]
+    known, left = seen_from(np.zeros(3)), [(way, seen_from(way)) for way in candidates]
     ways = []
     for _ in range(count):
         best = max(range(len(left)), key=lambda index: (int((known | left[index][1]).sum()), -index))
@@ -338,18 +328,15 @@ class _Sender(Sender):
         shown, rest = by_size[seen[by_size]].tolist(), by_size[~seen[by_size]].tolist()
         steps = [(shown, COARSE), (shown, HALF), (rest, COARSE), (shown, FULL), (rest, HALF), (rest, FULL)]
         for group, scale in steps:
-            yield from self._with_textures(group, scale)
+            left = set(self._of_pieces)
+            for index in group:  # the meshes, and the texture of each where it first occurs
+                yield self._pieces.number_of_mesh(index)
+                texture = self._pieces.meshes[index].texture
+                if texture in left:
+                    left.remove(texture)
+                    yield self._pieces.number_of_level(texture, scale)
             if group is shown:
                 yield from (self._pieces.number_of_level(texture, scale) for texture in self._of_mirrors)
-
-    def _with_textures(self, indices: Sequence[int], scale: float) -> Iterator[int]:
-        left = set(self._of_pieces)
-        for index in indices:
-            yield self._pieces.number_of_mesh(index)
-            texture = self._pieces.meshes[index].texture
-            if texture in left:
-                left.remove(texture)
-                yield self._pieces.number_of_level(texture, scale)
 
 
 @parts.register
