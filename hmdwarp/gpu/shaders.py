@@ -360,12 +360,10 @@ class Draw:
 
     def __init__(self, gl: moderngl.Context, vertex: str, fragment: str, defines: Mapping[str, object]) -> None:
         flats = {"vertex": flatten(vertex, defines), "fragment": flatten(fragment, defines)}
+        both = list(flats.values())
         try:
             self.program, self.uniforms = built(
-                gl,
-                list(flats.values()),
-                lambda vert, frag: gl.program(vertex_shader=vert, fragment_shader=frag),
-                fragment,
+                gl, both, lambda vert, frag: gl.program(vertex_shader=vert, fragment_shader=frag), fragment
             )
         except moderngl.Error as error:
             # What comes before any stage, then a stage and its part by turns: each line is of the

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 
+T = TypeVar("T")
+Images = Mapping[str, Any] | None  # textures or canvases by the uniform that names their unit
 COLOUR = (4, "f2")  # rgba16f: linear light, coverage in alpha
 SCALAR = (1, "f4")  # r32f: inverse depth
 NUMBER = (1, "u2")  # r16ui: which body a pixel belongs to
@@ -86,11 +88,7 @@ def drawing_into(framebuffer: moderngl.Framebuffer, flags: int | None = None) ->
 
 
 def bind_images(
-    read: Mapping[str, Any] | None = None,
-    write: Mapping[str, Any] | None = None,
-    change: Mapping[str, Any] | None = None,
-    *,
-    first: int = 0,
+    read: Images = None, write: Images = None, change: Images = None, *, first: int = 0
 ) -> dict[str, object]:
     """Bind textures to image units from `first` on; return the uniforms that name the units.
 
@@ -109,9 +107,6 @@ def release_all(*things: Any) -> None:
     """Release textures, buffers, framebuffers or vertex arrays, in this order."""
     for thing in things:
         thing.release()
-
-
-T = TypeVar("T")
 
 
 class Owner:

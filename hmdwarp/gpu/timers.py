@@ -21,8 +21,7 @@ def is_software(gl: moderngl.Context) -> bool:
 # Of the wall-clock time that a real timer reports at least: launching may be nearly all of it. A
 # copy by a CPU takes milliseconds, and a timer that misses it still counts what surrounds it.
 _LEAST_SHARE, _LEAST_SHARE_OF_A_COPY_ON_A_CPU = 1e-3, 0.1
-_PROBE_BYTES, _PROBE_WIDTH = 4 << 20, 512
-_CHECK_BYTES = 64 << 20
+_PROBE_BYTES, _CHECK_BYTES, _PROBE_WIDTH = 4 << 20, 64 << 20, 512
 
 
 def has_real_gpu_timer(gl: moderngl.Context) -> bool:

@@ -156,7 +156,6 @@ class TableLens(_OneAxis):
 
     @classmethod
     def of(cls, data: Table, axis: Pair, reach_m: float, fov: Fov, panel_m: Pair) -> TableLens:
-        """Return the lens of a file's table: one `distance`, or one for each colour."""
         distances = {colour: data.numbers("distance" if "distance" in data else colour) for colour in COLOURS}
         return cls(axis, data.number("unit_m"), data.numbers("angle_deg"), distances)
 
@@ -229,12 +228,11 @@ class MeshLens:
     unit_m: ClassVar[float] = 1.0
 
     panel_m: Pair
-    # Of each colour: rows from below, in them points from the left.
+    # Of each colour: rows from below, in them points from the left; `uv` in a file is of the view.
     points: dict[str, tuple[tuple[Pair, ...], ...]]
 
     @classmethod
     def of(cls, data: Table, axis: Pair, reach_m: float, fov: Fov, panel_m: Pair) -> MeshLens:
-        """Return the lens of a file's table: one `uv` of the eye's view, or one for each colour."""
         columns, rows = (data.whole(side, 2, MOST_POINTS) for side in ("columns", "rows"))
         low, high = fov.tangents[::2], fov.tangents[1::2]
         points = {}
@@ -503,7 +501,6 @@ class Headset:
 
 
 _FLAT_MOST = math.tan(math.radians(75))
-NAME = "camera"
 
 
 @attrs.frozen
@@ -535,4 +532,4 @@ def camera_display(
     panel_m = (0.1, 0.1 * size[1] / size[0])
     places = (0.0, eye_distance_m) if eye_distance_m else (0.0,)
     eyes = tuple(HeadsetEye(Pose((x, 0, 0)), fov, panel_m, hidden=hidden) for x in places)
-    return CameraDisplay(NAME, f"the camera of {source}", source, size, refresh_hz, eyes)
+    return CameraDisplay("camera", f"the camera of {source}", source, size, refresh_hz, eyes)

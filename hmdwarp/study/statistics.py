@@ -33,12 +33,9 @@ class Interval(NamedTuple):
 def bca(differences: ArrayLike, seed: int = SEED, resamples: int = RESAMPLES, level: float = 0.95) -> Interval:
     """Return the bias-corrected and accelerated bootstrap interval of the mean.
 
-    Ratings come in steps. The distribution over all resamples is then computed exactly, and seed
-    and resamples play no part. Differences on no common grid are resampled at random.
-    The interval does not depend on the order of the differences, and mirrors with their signs. A
-    single difference, or equal ones, have no spread to resample: both ends are the mean. An empty
-    list gives NaN.
-
+    Ratings come in steps: over all resamples exactly, and seed and resamples play no part. Values
+    on no common grid are resampled at random. Their order plays no part, and it mirrors with their
+    signs. For a single difference, or equal ones, both ends are the mean; NaN for an empty list.
     Errors: ValueError for a value that is not finite.
     Source: Efron 1987; Efron and Tibshirani, An Introduction to the Bootstrap, 1993, 14.3.
     """
@@ -129,9 +126,7 @@ def wilcoxon_exact(differences: ArrayLike) -> Wilcoxon:
     """Test whether differences lie around 0: exact two-sided p, midranks for ties, zeros dropped.
 
     p is twice the share of the 2^n sign patterns of these ranks whose larger sum is at least as
-    large, at most 1. It is 1 where nothing differs from 0. differences: 1-D, finite.
-
-    Errors: ValueError for other input and for more than MOST_PAIRS.
+    large, at most 1. Errors: ValueError for more than MOST_PAIRS or infinite ones.
     Source: Pratt and Gibbons, Concepts of Nonparametric Theory, 1981, ch. 3. SciPy's method="exact"
     ignores ties.
     """
@@ -171,10 +166,8 @@ class Shift(NamedTuple):
 def hodges_lehmann(differences: ArrayLike, level: float = 0.95) -> Shift:
     """Return the median of all pairwise means and its exact signed-rank interval.
 
-    attained_level(n, level) is the interval's actual level: levels come in steps, and ties raise
-    it. Where n is too small for the level, the interval is the widest one. NaN for no differences.
-
-    Errors: ValueError for a value that is not finite.
+    Its actual level is attained_level(n, level); where n is too small, it is the widest one. NaN
+    for no differences. Errors: ValueError for a value that is not finite.
     Source: Hodges and Lehmann 1963; Hollander, Wolfe and Chicken, Nonparametric Statistical
     Methods, 3rd ed., 3.2 and 3.3.
     """

@@ -357,10 +357,9 @@ def shift_of(values: np.ndarray) -> tuple[float, float | None, float | None, flo
 
 
 def correct(rows: list[Row], *, over_all: bool = False) -> None:
-    """Put Holm's p into each row, corrected within its family; over_all: over all rows as well.
+    """Put Holm's p into each row, within its family; over_all: over all rows as well.
 
-    A planned comparison without ratings has none, and counts with p = 1: leaving it out would
-    favour the rest.
+    A planned comparison without ratings counts with p = 1: to leave it out would favour the rest.
     """
     families = [[row for row in rows if row["family"] == name] for name in dict.fromkeys(row["family"] for row in rows)]
     for group, key in [*((group, "holm") for group in families), *([(rows, "holm_all")] if over_all else [])]:

@@ -280,8 +280,7 @@ class StepHandler(FrameHandler):
     def handle(self, commands: Sequence[Command]) -> bool:
         """Carry out all commands; never changes the options of the run.
 
-        Commands after the end of a step belonged to it, and are dropped, except stop, menu and
-        break: they are kept for the next step; a closed menu does not open again.
+        After its end they are dropped but for stop, menu and break, which wait for the next step.
         """
         context = self.context
         for by, command in context.received(commands, self.step, self.elapsed_s):

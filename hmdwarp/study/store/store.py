@@ -71,9 +71,8 @@ class Store:
         say: Callable[[str], None] = lambda text: None,
         clock: MachineClock | None = None,
     ) -> None:
-        """Open the store of a folder, see database.store_folder.
+        """Open the store of a folder. create: when the first session begins, and none before.
 
-        create: create it when the first session begins; a refused session leaves no folder behind.
         study: name that the store must have; None for any. say: receives notes for the user.
         """
         folder = Path(folder)
