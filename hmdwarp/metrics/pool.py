@@ -51,19 +51,20 @@ def _starting() -> Iterator[None]:
     """
     main, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
     heard: list[int] = []
-    is_posix = sys.platform != "win32"
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP}) if is_posix else set()
-    # Another thread may get a signal for this one.
-    is_main = is_posix and threading.current_thread() is threading.main_thread()
-    kept = (signal.SIGINT, signal.SIGHUP, signal.SIGTERM) if is_main else ()
-    handlers = {number: signal.signal(number, lambda which, _: heard.append(which)) for number in kept}
+    handlers: dict[int, Any] = {}
+    if sys.platform != "win32":
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+        # Another thread may get a signal for this one.
+        if threading.current_thread() is threading.main_thread():
+            for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
+                handlers[number] = signal.signal(number, lambda which, _: heard.append(which))
     try:
         yield
     finally:
         sys.modules["__main__"] = main
         for number, handler in handlers.items():
             signal.signal(number, handler or signal.SIG_DFL)
-        if is_posix:
+        if sys.platform != "win32":
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
         if heard:
             signal.raise_signal(heard[0])
