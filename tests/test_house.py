@@ -180,25 +180,25 @@ def test_every_part_has_its_place():
 # Lines of Python in each room: today's bound, and the budget that the room is to reach. A room
 # that is done has its budget as its bound. Bounds go down alone.
 ROOMS = {
-    "sources": (10497, 8500),
-    "run": (6926, 5400),
-    "client": (7907, 6500),
+    "sources": (8500, 8500),
+    "run": (6076, 5400),
+    "client": (6652, 6500),
     "cloudlight": (3600, 3600),  # done
-    "scenes": (5380, 4600),
-    "poses": (5995, 4500),
-    "pipeline": (5053, 3700),
-    "link frames": (3943, 3100),
-    "image check": (4592, 3200),
+    "scenes": (4821, 4600),
+    "poses": (5679, 4500),
+    "pipeline": (4537, 3700),
+    "link frames": (3368, 3100),
+    "image check": (4368, 3200),
     "gpu geometry headsets": (3747, 3100),
-    "report": (5199, 4200),
-    "experiments": (4040, 3200),
-    "metrics options": (3454, 2600),
-    "cli": (2916, 2400),
-    "display web": (5002, 4000),
-    "study": (11641, 10000),
-    "": (601, 500),  # the modules beside the packages
+    "report": (4797, 4200),
+    "experiments": (3699, 3200),
+    "metrics options": (2991, 2600),
+    "cli": (2673, 2400),
+    "display web": (4502, 4000),
+    "study": (10185, 10000),
+    "": (556, 500),  # the modules beside the packages
 }
-TEST_LINES = (70948, 58000)
+TEST_LINES = (70946, 58000)
 DOC_WORDS = (55000, 55000)  # of docs/*.md as `wc -w` counts them
 
 

@@ -56,8 +56,8 @@ def _starting() -> Iterator[None]:
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
         # Another thread may get a signal for this one.
         if threading.current_thread() is threading.main_thread():
-            for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
-                handlers[number] = signal.signal(number, lambda which, _: heard.append(which))
+            for each in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
+                handlers[each] = signal.signal(each, lambda which, _: heard.append(which))
     try:
         yield
     finally:
