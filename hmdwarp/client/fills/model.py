@@ -15,7 +15,7 @@ from ...geometry.view import tangents_of_pixels
 from ...gpu.context import Gpu
 from ...gpu.textures import SCALAR, Owner, allocate, bind_images, tiles
 from ..inputs import PassInputs, ShownPicture
-from ..settings import limited, share_of
+from ..settings import limited
 from . import fills
 from ._base import Fill, HolePieces
 
@@ -82,8 +82,8 @@ SHARE = 0.2  # of the scene's triangles, of every fill with a client's model
 
 @attrs.frozen
 class ModelSettings:
-    share: float = share_of(SHARE)  # Share of the scene's triangles that the client draws, 0 to 1.
-    texture: float = share_of(1.0)  # Scale of its textures' resolution on both axes, 0 to 1.
+    share: float = limited(SHARE, 0, 1, above=True)  # Share of the scene's triangles that the client draws, 0 to 1.
+    texture: float = limited(1.0, 0, 1, above=True)  # Scale of its textures' resolution on both axes, 0 to 1.
     light: Literal["baked", "off"] = "baked"  # off: the bare albedo, for a client that does not shade.
 
 
@@ -121,7 +121,7 @@ MODEL_WEIGHT = {"none": 0.03, "baked": 0.003}
 class RelightSettings:
     """How the model is drawn and lit."""
 
-    share: float = share_of(SHARE)  # Share of the scene's triangles that the client draws, 0 to 1.
+    share: float = limited(SHARE, 0, 1, above=True)  # Share of the scene's triangles that the client draws, 0 to 1.
     samples: int = limited(32, 1, 4096)  # Places from which a pixel of a hole takes light.
     reach: float = limited(0.25, 0, 2, above=True)  # The farthest of them, in picture widths.
     # The model's own light. none: all light comes from the picture. baked: the baked light is

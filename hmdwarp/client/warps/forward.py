@@ -16,7 +16,7 @@ from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas, bind_images
 from ..inputs import PassInputs
-from ..settings import limited
+from ..settings import chosen, limited
 from . import KEY_BYTES, warps
 from ._base import Warp
 from .gather import depth_limits
@@ -117,7 +117,7 @@ class ForwardSettings:
 
     # portable: two 32-bit atomic passes. atomic64: one pass with a 64-bit key. auto: atomic64 where
     # the driver has it.
-    path: Literal["auto", "portable", "atomic64"] = "auto"
+    path: Literal["auto", "portable", "atomic64"] = chosen("auto", "portable", "atomic64")
 
 
 @warps.register
@@ -222,7 +222,7 @@ class ForwardOrderedSettings:
 
     # rings: squares around the epipole, so that pixels of similar distance are compared. rows:
     # McMillan's quadrants, row by row.
-    sheets: Literal["rings", "rows"] = "rings"
+    sheets: Literal["rings", "rows"] = chosen("rings", "rows")
 
 
 @warps.register
@@ -279,7 +279,7 @@ class ForwardRaster(OrderedScatter):
 
 @attrs.frozen
 class SplatSettings:
-    """The size of footprints, and which neighbours are one surface: see depth_limits."""
+    """The size of footprints; what neighbours are one surface, by the pixel's own depth."""
 
     tolerance: float = limited(0.03)
     floor: float = limited(0.02)  # 1/m

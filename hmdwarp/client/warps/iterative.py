@@ -17,7 +17,7 @@ from ...gpu.context import Gpu
 from ...gpu.hidden import Grid
 from ...gpu.textures import COLOUR, SCALAR, Canvas, Owner, allocate, bind_images, tiles
 from ..inputs import PassInputs
-from ..settings import limited
+from ..settings import chosen, limited
 from . import warps
 from .gather import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, depth_limits, last_centre
 
@@ -147,7 +147,7 @@ class IterativeSettings(GatherSettings):
 
     # Source of the first guess: a forward splat of depth at a quarter of the resolution, or the map
     # at infinity.
-    seed: Literal["forward", "rotation"] = "forward"
+    seed: Literal["forward", "rotation"] = chosen("forward", "rotation")
     steps: int = 3  # Samples of the rendered depth.
     # How many of the last steps use the slope of the surface; each costs three plain ones and helps
     # most for near objects that pass by.
@@ -162,7 +162,7 @@ class IterativeSettings(GatherSettings):
     # Late frames that are averaged: the newest, and older ones where they saw the same surface.
     frames: int = limited(3, 1, MOST_OLDER + 1)
     # Whether the pixel beside a nearer surface, whose colour antialiasing has mixed, moves with it.
-    fringe: Literal["front", "own"] = "front"
+    fringe: Literal["front", "own"] = chosen("front", "own")
 
     def __attrs_post_init__(self) -> None:
         if not 1 <= self.slanted <= self.steps <= MOST_STEPS:

@@ -19,7 +19,7 @@ from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, Canvas, Owner, allocate, bind_images, drawing_into
 from ..inputs import PassInputs
-from ..settings import limited
+from ..settings import chosen, limited
 from . import warps
 from ._base import Warp, pixel_of
 from .gather import bind_rendered_colour
@@ -267,7 +267,7 @@ RING = 0.005  # of the picture; openwarp's program sets one cell of its grid
 class MeshSettings:
     """Where the mesh is cut; or, with a grid, how it is stretched."""
 
-    cut: Literal["slope", "vertex", "both"] = "slope"  # How sheets between two surfaces are found.
+    cut: Literal["slope", "vertex", "both"] = chosen("slope", "vertex", "both")  # How sheets are found.
     # Planes seen at up to this angle from facing stay whole.
     steepest_deg: float = attrs.field(default=STEEPEST_DEG, validator=[attrs.validators.gt(0), attrs.validators.lt(90)])
     # Vertices on each axis of a mesh that is stretched across edges; 0 for one at each pixel, cut.

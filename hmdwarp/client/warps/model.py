@@ -17,7 +17,7 @@ from ...scenes import Scene
 from ...sources.server import BYTES_BINDING, display_bytes
 from ..client_scene import ArrivingScene, ClientScene, WholeScene
 from ..inputs import PassInputs, ShownPicture
-from ..settings import limited, share_of
+from ..settings import limited
 from . import warps
 from ._base import Warp
 from .gather import USUAL_LIMITS
@@ -59,8 +59,8 @@ class ClientDrawing(Warp):
 class ModelSettings:
     # Share of the triangles of the scene's plain surfaces that the client has, 0 to 1. Mirrors and
     # what is see-through or fixed to the head keep theirs.
-    share: float = share_of(1.0)
-    texture: float = share_of(1.0)  # Scale of its textures' resolution on both axes, 0 to 1.
+    share: float = limited(1.0, 0, 1, above=True)
+    texture: float = limited(1.0, 0, 1, above=True)  # Scale of its textures' resolution on both axes, 0 to 1.
     light: Literal["baked", "off"] = "baked"  # off: the bare albedo, for a client that does not shade.
     # How it comes. whole: it is there at the start. progressive: in pieces with every frame, what
     # the head sees or is about to see first; stand-ins are shown until then.
@@ -109,8 +109,8 @@ class DifferenceSettings:
     """The simplified scene, and what is done with the difference."""
 
     # Share of the triangles, 0 to 1, and scale of the textures' resolution on both axes.
-    share: float = share_of(0.2)
-    texture: float = share_of(1.0)
+    share: float = limited(0.2, 0, 1, above=True)
+    texture: float = limited(1.0, 0, 1, above=True)
     light: Literal["baked", "off"] = "baked"  # off: the bare albedo, for a client that does not shade.
     # off: the picture as it was drawn, like an imposter: the source's own form.
     warped: Literal["on", "off"] = "on"

@@ -20,7 +20,7 @@ from ...geometry import View, WarpMap, view_map
 from ...gpu.context import Gpu
 from ...gpu.textures import Canvas, Owner, allocate, bind_images
 from ..inputs import PassInputs, as_image
-from ..settings import limited
+from ..settings import chosen, limited
 from . import KEY_BYTES, warps
 from ._base import Warp, pixel_of
 from .forward import check_room
@@ -195,7 +195,7 @@ class MultiSettings:
     frames: int = limited(2, 0, MOST_FRAMES, "past frames")  # Of the same eye.
     spacing: float = limited(300.0, 0, 60_000, "milliseconds")  # The least between two of them.
     # Whether to use the other eye's picture too, or only the eye's own.
-    eye: Literal["other", "own"] = "other"
+    eye: Literal["other", "own"] = chosen("other", "own")
     # That the server draws for this eye, from places that it may come to.
     views: int = limited(0, 0, MOST_VIEWS, "further pictures")
 

@@ -86,19 +86,17 @@ class Connection:
             seen += self.frames.state.should_render
 
     def pictures(self, calls: Calls, gpu: Gpu, size: tuple[int, int], with_depth: bool) -> Projection:
-        """Create swapchains of that size for each eye.
-
-        Errors: InputError for a size too large for the runtime.
-        """
+        """Create swapchains of that size for each eye. Errors: InputError for one too large."""
         if size[0] > self.largest[0] or size[1] > self.largest[1]:
             raise InputError(
                 f"--size {size[0]}x{size[1]}: {calls.name} takes pictures up to {self.largest[0]}x{self.largest[1]}"
             )
 
         def swapchains(kind: int) -> list[Swapchain]:
-            made = [Swapchain(calls, gpu, self.session.handle, size, kind) for _ in range(COUNT)]
-            for one in made:
-                self.cleanup.callback(one.destroy)
+            made: list[Swapchain] = []
+            for _ in range(COUNT):  # each is kept as soon as it is made: the next may fail
+                made.append(Swapchain(calls, gpu, self.session.handle, size, kind))
+                self.cleanup.callback(made[-1].destroy)
             return made
 
         deep = depth_format(self.formats) if with_depth else None

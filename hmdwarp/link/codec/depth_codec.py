@@ -336,12 +336,12 @@ class _GreyDecoder:
             if not length:
                 return np.full(self._size[::-1], first, np.uint16), beside
             start = _GREY_HEADER.size + length
-            if data[_GREY_HEADER.size : start] != self._configuration:
-                self._configuration = data[_GREY_HEADER.size : start]
-                self._context = av.CodecContext.create(_NAME, "r")
-                self._context.width, self._context.height = _grey_size(self._size)
-                self._context.thread_type, self._context.thread_count = "SLICE", _THREADS
-                self._context.extradata = self._configuration
+            if self._context is None or data[_GREY_HEADER.size : start] != self._configuration:
+                made: Any = av.CodecContext.create(_NAME, "r")
+                made.width, made.height = _grey_size(self._size)
+                made.thread_type, made.thread_count = "SLICE", _THREADS
+                made.extradata = data[_GREY_HEADER.size : start]
+                self._context, self._configuration = made, data[_GREY_HEADER.size : start]
             frames = self._context.decode(av.Packet(data[start:]))
         except (struct.error, OSError, ValueError, av.FFmpegError) as error:
             raise Undecodable(f"damaged {self._what} ({error})") from error

@@ -121,8 +121,8 @@ class Caller:
         self._zmq: Any = sockets.zmq_module()
         self.address, self._token = sockets.address_of(address, "--connect"), token_of(secret)
         self._server_key = server_key
-        self._hearing: sockets.Hearing | None = None  # the connection that there is, and whether its silence is told
-        self._is_told, self._patience = False, 1
+        self._hearing: sockets.Hearing | None = None  # the connection that there is
+        self._is_told, self._patience = False, 1  # whether its silence is told
         self.clock = Alignment()
         self._changed = threading.Condition()
         self._arrived: deque[Arrival] = deque()
@@ -141,14 +141,14 @@ class Caller:
         own = {"SNDHWM": 64, "RCVHWM": 0, "MAXMSGSIZE": MOST_BYTES + sockets.SEAL_BYTES, "IMMEDIATE": 1}
         own |= {"RECONNECT_IVL": 50, "RECONNECT_IVL_MAX": 1000, "CONNECT_TIMEOUT": 5000, "IPV6": "[" in self.address}
         sockets.set_options(self._zmq, socket, sockets.LINK | own)
-        if server_key:
-            socket.curve_publickey, socket.curve_secretkey = self._zmq.curve_keypair()
-            socket.curve_serverkey = server_key
         failed = "EVENT_HANDSHAKE_FAILED_NO_DETAIL", "EVENT_HANDSHAKE_FAILED_PROTOCOL"
         self._no_handshakes = sum(getattr(self._zmq, name) for name in failed)
         told = self._no_handshakes | self._zmq.EVENT_CONNECTED | self._zmq.EVENT_DISCONNECTED
-        events = socket.get_monitor_socket(told)
         try:
+            if server_key:
+                socket.curve_publickey, socket.curve_secretkey = self._zmq.curve_keypair()
+                socket.curve_serverkey = server_key
+            events = socket.get_monitor_socket(told)
             socket.connect(self.address)
         except self._zmq.ZMQError as error:
             self._context.destroy(0)

@@ -420,24 +420,29 @@ def _run(listener: Listener, render: Render, goes_on: Callable[[], bool]) -> Non
         except bounds.OutOfBounds as error:
             listener.refuse(asked, str(error))
             continue
-        views = Views(ask.views)
-        views.size = ask.size
-        colours, depths, *seen = render(views, ask.time_ns)
-        at = tuple(seen[0]) if seen else ask.views
-        if not len(colours) == len(depths) == len(at) == len(views):
-            found = f"{len(colours)} colours, {len(depths)} depths and {len(at)} views"
-            raise InputError(f"render returned {found}: expected {len(views)} of each, as it was given")
-        pairs: list[tuple[Any, Any]] = []
-        shape: tuple[int, ...] = ask.size[::-1]
-        for colour, depth_m in ((np.asarray(c), np.asarray(d)) for c, d in zip(colours, depths, strict=True)):
-            if depth_m.shape != shape or colour.shape not in ((*shape, 3), (*shape, 4)):
-                found = f"colour {colour.shape} and depth {depth_m.shape}"
-                raise InputError(f"render returned {found}: expected {(*shape, 3)} and {shape}")
-            covered = colour[..., 3] > 0 if colour.shape[2] == 4 else np.ones(shape, bool)
-            picture, metres = as_pictures(colour, depth_m)
-            inverse = inverse_depth_from_metres(metres)
-            inverse[np.isnan(inverse)] = -1
-            pairs.append((np.dstack([picture, np.uint8(255) * covered]), inverse.astype(np.float32)))
-        sent_ns = time.monotonic_ns()
-        times = (ask.number, ask.sent_ns, asked.received_ns, sent_ns, sent_ns - begun_ns, ask.time_ns)
-        listener.answer(asked, FrameMessage(*times, at, tuple(one for one, _ in pairs), tuple(one for _, one in pairs)))
+        listener.answer(asked, _drawn(render, asked, begun_ns))
+
+
+def _drawn(render: Render, asked: Asked, begun_ns: int) -> FrameMessage:
+    ask = asked.ask
+    views = Views(ask.views)
+    views.size = ask.size
+    colours, depths, *seen = render(views, ask.time_ns)
+    at = tuple(seen[0]) if seen else ask.views
+    if not len(colours) == len(depths) == len(at) == len(views):
+        found = f"{len(colours)} colours, {len(depths)} depths and {len(at)} views"
+        raise InputError(f"render returned {found}: expected {len(views)} of each, as it was given")
+    pairs: list[tuple[Any, Any]] = []
+    shape: tuple[int, ...] = ask.size[::-1]
+    for colour, depth_m in zip(map(np.asarray, colours), map(np.asarray, depths), strict=True):
+        if depth_m.shape != shape or colour.shape not in ((*shape, 3), (*shape, 4)):
+            found = f"colour {colour.shape} and depth {depth_m.shape}"
+            raise InputError(f"render returned {found}: expected {(*shape, 3)} and {shape}")
+        covered = colour[..., 3] > 0 if colour.shape[2] == 4 else np.ones(shape, bool)
+        picture, metres = as_pictures(colour, depth_m)
+        inverse = inverse_depth_from_metres(metres)
+        inverse[np.isnan(inverse)] = -1
+        pairs.append((np.dstack([picture, np.uint8(255) * covered]), inverse.astype(np.float32)))
+    sent_ns = time.monotonic_ns()
+    times = (ask.number, ask.sent_ns, asked.received_ns, sent_ns, sent_ns - begun_ns, ask.time_ns)
+    return FrameMessage(*times, at, tuple(one for one, _ in pairs), tuple(one for _, one in pairs))

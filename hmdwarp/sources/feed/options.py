@@ -109,6 +109,7 @@ def public_key(path: Path | None) -> bytes:
 def _keys_in(path: Path, option: str) -> tuple[bytes, bytes]:
     zmq_module()
     from zmq.auth import load_certificate
+    from zmq.utils.z85 import Z85CHARS
 
     try:
         with opened(path, SECRET) as file:
@@ -116,6 +117,6 @@ def _keys_in(path: Path, option: str) -> tuple[bytes, bytes]:
     except (InputError, OSError, ValueError, IndexError) as error:
         why = error if isinstance(error, InputError) else f"{path} has no public key"
         raise InputError(f"{option}: {why}; expected a file that 'hmdwarp serve --key-pair' made") from error
-    if len(public) != _LETTERS or (secret and len(secret) != _LETTERS):
-        raise InputError(f"{option}: {path} has no key of {_LETTERS} letters; 'hmdwarp serve --key-pair' makes one")
+    if any(len(key) != _LETTERS or not set(key) <= set(Z85CHARS) for key in (public, secret or public)):
+        raise InputError(f"{option}: {path} has no Z85 key of {_LETTERS} letters; 'hmdwarp serve --key-pair' makes one")
     return public, secret or b""

@@ -652,12 +652,6 @@ class ScenePasses(Owner):
     def _world_from_ndc(self, view: View) -> Array:
         return world_from_ndc(view)
 
-    def _set_background(self, view: View) -> None:
-        if self._colour:
-            sky = self.scene.background
-            light = {"zenith": sky.zenith, "horizon": sky.horizon, "ground": sky.ground}
-            self._background.uniforms.set(world_from_ndc=self._world_from_ndc(view), **light)
-
 
 def draw_chunks(
     vertices: moderngl.VertexArray, buffers: SceneBuffers, draws: Draws, uniforms: Uniforms | None, *, emits: bool
