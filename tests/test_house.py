@@ -188,14 +188,14 @@ ROOMS = {
     "poses": (5679, 4500),
     "pipeline": (4537, 3700),
     "link frames": (3368, 3100),
-    "image check": (4368, 3200),
+    "image check": (4372, 3200),
     "gpu geometry headsets": (3747, 3100),
     "report": (4797, 4200),
-    "experiments": (3699, 3200),
-    "metrics options": (2991, 2600),
+    "experiments": (3701, 3200),
+    "metrics options": (2997, 2600),
     "cli": (2673, 2400),
-    "display web": (4502, 4000),
-    "study": (10185, 10000),
+    "display web": (4500, 4000),
+    "study": (10187, 10000),
     "": (556, 500),  # the modules beside the packages
 }
 TEST_LINES = (70946, 58000)

@@ -124,16 +124,16 @@ class Call:
     depth_m: ArrayLike
     rendered: View
     shown: View
-    others: Sequence[Other] = ()
-    client_depth_m: ArrayLike | None = None
-    layers: Mapping[str, Any] = MappingProxyType({})
-    panels: Sequence[Panel] | None = None
-    age_s: float = 0.0
-    depth_scale: float | None = None
-    encoding: str | None = None
-    result: str | None = None
-    eye: int = 0
-    out: Mapping[str, NDArray[Any]] = MappingProxyType({})
+    others: Sequence[Other] = attrs.field(default=(), kw_only=True)
+    client_depth_m: ArrayLike | None = attrs.field(default=None, kw_only=True)
+    layers: Mapping[str, Any] = attrs.field(default=MappingProxyType({}), kw_only=True)
+    panels: Sequence[Panel] | None = attrs.field(default=None, kw_only=True)
+    age_s: float = attrs.field(default=0.0, kw_only=True)
+    depth_scale: float | None = attrs.field(default=None, kw_only=True)
+    encoding: str | None = attrs.field(default=None, kw_only=True)
+    result: str | None = attrs.field(default=None, kw_only=True)
+    eye: int = attrs.field(default=0, kw_only=True)
+    out: Mapping[str, NDArray[Any]] = attrs.field(default=MappingProxyType({}), kw_only=True)
 
     @cached_property
     def views(self) -> tuple[View, View]:
@@ -180,7 +180,11 @@ def _taking(kind: Callable[P, Call]) -> Callable[[Callable[[Any, Call], T]], Cal
 
     def decorated(method: Callable[[Any, Call], T]) -> Callable[Concatenate[Any, P], T]:
         def of_parts(warper: Any, /, *parts: P.args, **named: P.kwargs) -> T:
-            return method(warper, kind(*parts, **named))
+            try:
+                call = kind(*parts, **named)
+            except TypeError as error:
+                raise TypeError(str(error).replace("Call.__init__", f"Warper.{method.__name__}")) from None
+            return method(warper, call)
 
         functools.update_wrapper(of_parts, method)
         (warper, _), given = inspect.signature(method).parameters.values(), inspect.signature(kind)
@@ -377,7 +381,7 @@ class Warper:
         """
         with self._gpu() as gpu:
             if len(self._in_flight) == IN_FLIGHT:
-                self._fetch(gpu, self._in_flight[0])
+                self._fetch(gpu, self._in_flight[0], 5)
             gpu.timer.lap()
             try:
                 # Passes that the wall clock times for "auto" are waited for.
@@ -488,8 +492,8 @@ class Warper:
             times["host"] = max(whole_ms - sum(times.values()), 0.0)  # their sum is the call
         return WarpedImage(arrays["colour"], arrays["coverage"], times, share, flight.result, arrays.get("depth_m"))
 
-    def _fetch(self, gpu: Gpu, pending: Pending) -> None:
-        """Make the answer of a call, unless another thread has just done so."""
+    def _fetch(self, gpu: Gpu, pending: Pending, level: int = 4) -> None:
+        """Make the answer of a call, unless another thread has. level: of stack, to the caller."""
         if pending._on_its_way is None:
             return
         (flight, spent_ms, lap), pending._on_its_way = pending._on_its_way, None
@@ -498,7 +502,7 @@ class Warper:
         gpu.timer.lap()
         try:
             with gpu.timer.without_waiting():
-                image = self._ended(gpu, flight, 4)
+                image = self._ended(gpu, flight, level)
         except HmdwarpError as error:
             pending._answer = error
             return
@@ -844,9 +848,9 @@ def warp_image(
         Without OpenGL 4.3.
     """
     effects = with_panel_effects(effects, panels)
-    asked = Call(
-        colour, depth_m, rendered, shown, others, client_depth_m, layers, panels, age_s, depth_scale, encoding, result
-    )
+    more: dict[str, Any] = {"depth_scale": depth_scale, "encoding": encoding, "result": result, "age_s": age_s}
+    more |= {"others": others, "client_depth_m": client_depth_m, "layers": layers, "panels": panels}
+    asked = Call(colour, depth_m, rendered, shown, **more)
     own_size = asked.picture.size
     asked.check()
     shown_size = own_size if size is None else checked_size(size)

@@ -123,7 +123,7 @@ class NormalJitter(_Jitter):
     name = "normal"
 
     def longest_ns(self, latency_ns: int) -> int:
-        return latency_ns + math.ceil(_REACH * self.spread_ms * 1e6)
+        return latency_ns + math.ceil(_REACH * (self.spread_ms * 1e6))
 
     def typical_ns(self, latency_ns: int) -> int:
         unit, deviation = NormalDist(), self.spread_ms * 1e6

@@ -27,6 +27,7 @@ _NICENESS = 5  # measuring must not slow down the loop whose passes are being ti
 # More than one thread in a worker's BLAS would fight the other workers for the cores.
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _M_MMAP_MAX, _M_TRIM_THRESHOLD = -4, -1  # of glibc's malloc.h
+_MAIN = sys.modules["__main__"]  # not as it is at a start: of two threads one would take the other's
 
 
 class _Context(SpawnContext):
@@ -49,7 +50,6 @@ def _starting() -> Iterator[None]:
     ended, the program puts them off too: Python's own tracker of semaphores complains where it is
     ended first.
     """
-    main, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
     heard: list[int] = []
     handlers: dict[int, Any] = {}
     if sys.platform != "win32":
@@ -59,9 +59,10 @@ def _starting() -> Iterator[None]:
             for each in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
                 handlers[each] = signal.signal(each, lambda which, _: heard.append(which))
     try:
+        sys.modules["__main__"] = ModuleType("__main__")
         yield
     finally:
-        sys.modules["__main__"] = main
+        sys.modules["__main__"] = _MAIN
         for number, handler in handlers.items():
             signal.signal(number, handler or signal.SIG_DFL)
         if sys.platform != "win32":

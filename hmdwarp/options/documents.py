@@ -332,24 +332,27 @@ def _is_number(value: object) -> bool:
 
 
 # What may close the lists and texts that the beginning of a file leaves open.
-_ENDS = ["\n" + quotes + brackets for quotes in ("", '"""', "'''") for brackets in ("", "\n]", "\n]]", "\n]]]")]
-_MOST_OPEN = 30  # lines of a value that no end closes
+_ENDS = ["\n" + text + end for text in ("", '"""', "'''") for end in ("", "\n]", "\n]]", "\n]]]", "\n]}", "\n]}]")]
+_MOST_OPEN, _MOST_READ = 30, 5_000_000  # lines of a value that no end closes; characters in all, for seconds
 
 
 def line_of(text: str, path: KeyPath) -> int:
-    """Return the line of a key in TOML, from 1 on; for a missing key that of its table, or 1.
+    """Return the line of a key in TOML, from 1 on; for a missing key that of its table; 0: unknown.
 
     No parser keeps them: it is that after the longest beginning of the text that lacks the key.
     """
-    lines = text.split("\n")
+    lines, left = text.split("\n"), _MOST_READ
 
     @functools.cache
     def begun(count: int) -> tuple[int, Any]:
         """Return how many of so many lines can be read, and what they hold."""
+        nonlocal left
         for length in range(count, max(count - _MOST_OPEN, 0), -1):
-            for end in _ENDS:
+            begin = "\n".join(lines[:length])
+            for end in _ENDS if left > 0 else ():
+                left -= len(begin)
                 with suppress(ValueError, RecursionError):
-                    return length, tomllib.loads("\n".join(lines[:length]) + end)
+                    return length, tomllib.loads(begin + end)
         return max(count - _MOST_OPEN, 0), {}
 
     def has(count: int) -> bool:
@@ -362,7 +365,8 @@ def line_of(text: str, path: KeyPath) -> int:
 
     while path and not has(len(lines)):
         path = path[:-1]
-    return begun(bisect.bisect_left(range(len(lines)), True, key=has) - 1)[0] + 1 if path else 1
+    found = begun(bisect.bisect_left(range(len(lines)), True, key=has) - 1)[0] + 1 if path else 1
+    return found if left > 0 else 0
 
 
 def text_of(path: Path, wanted: str, folder: Path | None = None) -> str:
@@ -392,5 +396,6 @@ def parsed(text: str, path: Path | str, made_of: Callable[[Table], T], example: 
         table.refuse_unread()
     except KeyFault as error:
         said = " ".join(str(error).split())  # names and texts of a file may hold line ends
-        raise InputError(f"{path}:{line_of(text, error.path)}: {said}") from error
+        line = line_of(text, error.path)
+        raise InputError(f"{path}:{line}: {said}" if line else f"{path}: {said}") from error
     return made

@@ -178,7 +178,6 @@ NECK_TO_EYES_M = np.array([0.0, 0.075, -0.080])
 SHIFT_BASE_S, SHIFT_PER_DEG_S = 0.28, 0.0058
 DECIMALS = (6, 8)  # 1 um and 1e-8: coarser than the last bit, in which sines may differ between machines
 RATE_HZ = 90.0
-_NECK = np.array(_START) - NECK_TO_EYES_M
 _LONGEST_S, _FASTEST_HZ = 3600.0, 1000.0
 
 
@@ -360,7 +359,7 @@ def _sway(rng: random.Random, t: Array, size: float = 1.0) -> Array:
     sway = np.stack(
         [_sines(rng, t, 0.012, 0.1, 0.9), _sines(rng, t, 0.003, 0.2, 0.6), _sines(rng, t, 0.022, 0.1, 0.9)], axis=1
     )
-    return np.asarray(size * sway + _NECK)
+    return np.asarray(size * sway + np.array(_START) - NECK_TO_EYES_M)
 
 
 def _wander(rng: random.Random, seconds: float, span: float, speed: tuple[float, float]) -> list[Shift]:

@@ -81,8 +81,8 @@ from .suites import cost_text, suites
 
 OUTSIDE_LACKS = "it is another library's, run on the CPU to compare with"
 ORACLE_LACKS = "it knows the depth of the truth, which no client has"
-# Keys of a row that grow with its pictures.
 Row = Mapping[str, Any]
+# Keys of a row that grow with its pictures.
 LONG = ("at_instants", "blocks", "jod", "jod_failure")
 # What a notebook shows of each row.
 _SHOWN = ("trace", "scene", "latency_ms", "strategy", "warp", "fill", "flip", "psnr_db", "ssim", "total_ms")

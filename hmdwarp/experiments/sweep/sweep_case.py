@@ -432,7 +432,7 @@ def packed(what: Any, carry: Callable[[str, Path], None]) -> bytes:
     class Packer(cloudpickle.CloudPickler):  # type: ignore[misc]
         def persistent_id(self, value: object) -> str | None:
             if not isinstance(value, str | Path) or not is_place(value) or Path(value).is_dir():
-                return None
+                return f"stay::{value}" if isinstance(value, Path) else None  # whole: its parts may be names of files
             carry(found := hash_of_files(value), Path(value))
             return f"{'path' if isinstance(value, Path) else 'text'}:{found}:{Path(value).name}"
 
@@ -447,6 +447,8 @@ def unpacked(content: bytes, folders: Mapping[str, Path]) -> Any:
     class Unpacker(pickle.Unpickler):
         def persistent_load(self, mark: str) -> str | Path:
             kind, found, name = mark.split(":", 2)
+            if kind == "stay":
+                return Path(name)
             return folders[found] / name if kind == "path" else str(folders[found] / name)
 
     return Unpacker(io.BytesIO(content)).load()

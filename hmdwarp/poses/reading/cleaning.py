@@ -68,6 +68,7 @@ def clean(r: Recording, form: str) -> LoadedTrace:
     columns = columns_read(r.head, r.layout, r.taken)
     facts = (Assumption(Fact.COLUMNS, columns, r.layout.columns_by, "--columns"), *judged.assumptions())
     assumed, unit = judged.axes_by is By.DEFAULT, r.time_unit
+    r.judged = None  # it knows the recording: a circle would keep both until the collector runs
     return LoadedTrace(track, r.head.path, form, r.defects, r.segments, unit, columns, assumed, r.taken, facts)
 
 

@@ -129,7 +129,7 @@ def moving(table: dict[str, Any], inputs: InputLog, arrays: Arrays) -> dict[str,
     lamps = []
     for name, said in table.get("lamps", {}).items():
         made = {}
-        for key in {"motion", "brightness"} & said.keys():
+        for key in [key for key in ("motion", "brightness") if key in said]:
             part = said[key]
             made[key] = bodies[part] if isinstance(part, str) else _made(name, part, arrays, inputs)
         lamps.append(Lamp(**said | made | {"colour": tuple(said["colour"])}))

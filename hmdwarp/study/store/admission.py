@@ -110,9 +110,11 @@ def participant_for(db: sqlite3.Connection, code: str, part: str, origin: str, n
             f"this store holds {other} participants; a {origin} one must not be mixed with them: use another "
             "folder (--store), or --pilot"
         )
-    known = db.execute("SELECT id, code, origin FROM participant WHERE code = ?", (code,)).fetchone()
     is_new = code.lower() == NEW
-    if not is_new and _CODE.fullmatch(code) and is_withdrawn(db, code):
+    if not is_new:
+        check_code(code)
+    known = db.execute("SELECT id, code, origin FROM participant WHERE code = ?", (code,)).fetchone()
+    if not is_new and is_withdrawn(db, code):
         raise InputError(f"participant {code} has withdrawn, and codes are not reused: take another ('new' draws one)")
     if is_new or known is None:
         check_first(code, new_session)
