@@ -198,7 +198,7 @@ ROOMS = {
     "study": (10187, 10000),
     "": (556, 500),  # the modules beside the packages
 }
-TEST_LINES = (70946, 58000)
+TEST_LINES = (70952, 58000)
 DOC_WORDS = (55000, 55000)  # of docs/*.md as `wc -w` counts them
 
 

@@ -108,6 +108,9 @@ def test_a_value_that_cannot_be_meant_is_refused(read, name, field, value):
     """A negative tolerance would make a picture that looks like a fault of the method."""
     with pytest.raises(InputError) as refused:
         read(f"{name}:{field}={value}")
+    if value == "no-such-word" and read is parse_warp and field in ("cut", "eye", "fringe", "path", "seed", "sheets"):
+        with pytest.raises(ValueError, match=field):
+            warps.get(name).Settings(**{field: value})
     message = str(refused.value)
     assert field in message and (value if value in ("no-such-word", "x") else "") in message and "\n" not in message
 

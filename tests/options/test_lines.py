@@ -101,3 +101,4 @@ def test_files_whose_lines_are_known(tables):
 def test_texts_that_are_no_toml_are_survived(text):
     assert line_of(text, ("a", 0, "b")) >= 1
     assert line_of("a = " + "[" * 10_000, ("a",)) == 1
+    assert line_of("a = { b = [\n" + "1,\n" * 40 + "2], c = 2 }", ("a", "c")) == 42

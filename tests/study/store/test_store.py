@@ -208,7 +208,7 @@ def filled(tmp_path_factory):
         yield made
 
 
-NAMES = ["Anna Müller", "", "a" * 33, "P 1", "p.1", "../x", "P1\n", "Ä1", "-P1", "P٣"]
+NAMES = ["Anna Müller", "", "a" * 33, "P 1", "p.1", "../x", "P1\n", "Ä1", "-P1", "P٣", "P\udcff"]
 REFUSED = [  # what is asked of a store with one whole session, that of P01; what is said
     *((lambda store, code=code: begun(store, code), "must not be a name") for code in NAMES),
     *((lambda store, code=code: store.would_begin(design(), "one", code, "person"), "must not be") for code in NAMES),
