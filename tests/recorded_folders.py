@@ -99,10 +99,6 @@ def ros(v: Vectors) -> Vectors:
     return np.array([-v[2], -v[0], v[1]])
 
 
-def _left_handed(v: Vectors) -> Vectors:
-    return np.array([v[0], v[1], -v[2]])
-
-
 def camera_matrix(one: Taken, columns: tuple[str, str, str], world: Callable[[Vectors], Vectors]) -> Vectors:
     """Return camera to world with these directions as columns, in a file's world."""
     out = np.eye(4)
@@ -195,7 +191,7 @@ def write_tum(folder: Path, frames: list[Taken]) -> None:
 def write_icl_nuim(folder: Path, frames: list[Taken]) -> None:
     """Write with y up and a left-handed world, as the renderer has it."""
     _pairs(folder, frames, "rgb/{}.png", "depth/{}.png", 5000)
-    matrices = (camera_matrix(one, ("right", "up", "forward"), _left_handed) for one in frames)
+    matrices = (camera_matrix(one, ("right", "up", "forward"), lambda v: v * np.array([1, 1, -1])) for one in frames)
     _text(folder / "livingRoom0.gt.freiburg", (f"{i} {seven_numbers(m)}" for i, m in enumerate(matrices)))
 
 

@@ -72,10 +72,6 @@ READERS: dict[str, tuple[str, Callable[[Path], object]]] = {
 }
 
 
-def put_fifo(path: Path) -> None:
-    os.mkfifo(path)
-
-
 def put_socket(path: Path) -> None:
     here = Path.cwd()
     os.chdir(path.parent)  # the name of a socket has 108 bytes at most
@@ -86,24 +82,16 @@ def put_socket(path: Path) -> None:
         os.chdir(here)
 
 
-def put_device(path: Path) -> None:
-    path.symlink_to("/dev/zero")
-
-
-def put_folder(path: Path) -> None:
-    path.mkdir()
-
-
 def put_large(path: Path) -> None:
     with path.open("wb") as file:
         file.truncate(2 * 1024 * GIB if path.suffix in (".bag", ".db3", ".mcap", ".mp4") else 10 * GIB)
 
 
 OTHERS = {
-    "a pipe": put_fifo,
+    "a pipe": os.mkfifo,
     "a socket": put_socket,
-    "a device": put_device,
-    "a directory": put_folder,
+    "a device": lambda path: path.symlink_to("/dev/zero"),
+    "a directory": Path.mkdir,
     "bytes: expected": put_large,
 }
 

@@ -304,6 +304,11 @@ class Pair:
         return grid((wide, high))[first :: self.step, first :: self.step]
 
     @cached_property
+    def bright(self) -> Array:
+        """(h, w) brightness of the frame itself; all conventions compare with it."""
+        return sampled(self.now.brightness, self.uv)
+
+    @cached_property
     def block(self) -> NDArray[np.intp]:
         """(h, w) number of the block of the picture."""
         across, down = (self.uv * (_ACROSS, _DOWN)).astype(np.intp).transpose(2, 0, 1)
@@ -417,7 +422,7 @@ class Found:
             uv,
             within & (nearest <= expected * (1 + _SURFACE) + _FAR),
             within & (nearest < expected * (1 - _SURFACE) - _FAR),
-            sampled(pair.now.brightness, pair.uv) - sampled(pair.before.brightness, uv),
+            pair.bright - sampled(pair.before.brightness, uv),
             (nearest_at(pair.before.inverse_depth, uv) - expected) / (expected + 1e-2),
         )
 

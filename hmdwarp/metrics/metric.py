@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import HmdwarpError, InputError
 from ..geometry import View, WarpMap
 from ..gpu import flip_rows
 from ..registry import Registry
@@ -95,7 +95,7 @@ class QualityJob:
     @functools.cached_property
     def border_holes(self) -> NDArray[np.bool_]:
         """(h, w): holes beyond what the late frame shows."""
-        job: Any = self  # metrics that ask for it need all that it is found from
+        job: Any = _Declared(self)  # metrics that ask for it declare all that it is found from
         return border_holes(job.covered, job.truth_inverse_depth, self.now.view, job.rendered, job.rendered_size)
 
 
@@ -207,11 +207,23 @@ def metrics_in_order() -> tuple[Metric, ...]:
     return tuple(sorted(metrics, key=lambda metric: metric.order))
 
 
+class _Declared:
+    """A job as metrics see it: what it lacks is no figure of a metric that declares it."""
+
+    def __init__(self, job: QualityJob) -> None:
+        self._job = job
+
+    def __getattr__(self, name: str) -> Any:
+        if (value := getattr(self._job, name)) is None and name != "flicker":
+            raise HmdwarpError(f"a metric reads '{name}' of a job that lacks it: its `needs` does not declare it")
+        return value
+
+
 def measure(job: QualityJob) -> QualityResult:
     """Return all figures of one job; the same job gives the same bits in any process."""
-    now, there, share = job.now, job.inputs, float(job.seen.mean())
+    now, there, share, given = job.now, job.inputs, float(job.seen.mean()), _Declared(job)
     values = {
-        metric.name: metric.of_seen(metric.compute(job), share) if metric.needs in there else None
+        metric.name: metric.of_seen(metric.compute(given), share) if metric.needs in there else None
         for metric in metrics_in_order()
     }
     flip_map: Any = None if job.alike is None else job.alike.flip_map

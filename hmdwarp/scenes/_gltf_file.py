@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import base64
 import binascii
-import importlib.util
+import importlib
 import io
 import struct
 from pathlib import Path
@@ -252,7 +252,7 @@ def check_extensions(file: GltfFile, notes: Notes) -> None:
             raise file.damaged(f"its '{kind}' are not a list of names")
     required, used = map(dict.fromkeys, lists.values())
     missing = [name for name in required if name not in READ]
-    if DRACO in required and importlib.util.find_spec("DracoPy") is None:
+    if DRACO in required and _draco() is None:
         missing.insert(0, DRACO)
     if missing:
         own, said = f"{file.path.name} {file.path.stem}-plain.glb", []
@@ -267,21 +267,27 @@ def check_extensions(file: GltfFile, notes: Notes) -> None:
         notes.add(f"extensions are left out, and the file does not need them: {', '.join(left)}")
 
 
+def _draco() -> Any:
+    """Return its decoder, None where that cannot be imported, installed or not."""
+    try:
+        return importlib.import_module("DracoPy")
+    except ImportError:
+        return None
+
+
 def unpack_draco(file: GltfFile, primitive: dict[str, Any], user: str, notes: Notes) -> None:
     """Decode a primitive that Draco packed. Source: Khronos 2019, KHR_draco_mesh_compression."""
     packed = (primitive.get("extensions") or {}).get(DRACO)
     if packed is None:
         return
-    if importlib.util.find_spec("DracoPy") is None:  # not required, so there is a plain copy too
+    if (draco := _draco()) is None:  # not required, so there is a plain copy too
         notes.add(f"{DRACO} is not unpacked ({install_line('draco')}); the plain copy in the file is used")
         return
-    import DracoPy
-
     data_in = file.view(file.item("bufferViews", packed.get("bufferView"), user))
     try:
         if (size := _draco_bytes(data_in)) > (most := 8 * most_unpacked(len(data_in))):  # planes pack 330:1
             raise file.error(f"{user}: {size} bytes, unpacked, of Draco; expected at most {most}: export it without")
-        mesh = DracoPy.decode(data_in)
+        mesh = draco.decode(data_in)
         data = {part["unique_id"]: np.asarray(part["data"]) for part in mesh.attributes}
         for name, number in packed["attributes"].items():
             rows = data[number]

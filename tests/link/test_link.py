@@ -21,10 +21,6 @@ STAGES_NS = st.one_of(st.just(0), st.integers(0, 30_000_000))
 BANDWIDTHS = st.none() | st.builds(Bandwidth, st.sampled_from([0.5, 8, 50]), st.sampled_from([0, 10, 100]))
 
 
-def constant(latency_ns: int, *callbacks) -> Link:
-    return LinkOptions().link(latency_ns, *callbacks)
-
-
 @attrs.define
 class Sent:
     """What the test knows of a frame. When it arrives (None: never), and whether anything it builds
@@ -271,7 +267,7 @@ def test_faults_of_the_caller():
 def test_a_change_of_delay_is_for_what_is_sent_from_then_on(first, second, steps, at):
     """A window's slider, or a controller's. Frames under way arrive as they would have, and what is
     shown never goes back."""
-    link, now, due = constant(first), 0, []
+    link, now, due = LinkOptions().link(first), 0, []
     for number, step in enumerate(steps):
         if number == at:
             link.delay_by(itertools.repeat(second))

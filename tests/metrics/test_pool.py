@@ -20,7 +20,16 @@ from cli.test_signals import children_of
 
 import hmdwarp
 from hmdwarp.errors import HmdwarpError, InputError
-from hmdwarp.metrics import QUALITY, Compared, MeasuringProcesses, QualityJob, QualityPool, measure
+from hmdwarp.metrics import (
+    QUALITY,
+    Compared,
+    Input,
+    MeasuringProcesses,
+    QualityJob,
+    QualityPool,
+    measure,
+    metrics_in_order,
+)
 
 from .pictures import job, noise, turned
 
@@ -115,6 +124,16 @@ def test_figures_without_their_inputs_are_none_and_inputs_must_fit_together():
             QualityJob(now, **given)
     with pytest.raises(InputError, match="shapes"):
         Compared(noise(1), noise(2, (3, 3)), turned(0))
+
+
+UNDECLARED = [attrs.evolve(each, needs=Input.TRUTH) for each in metrics_in_order() if each.needs is not Input.TRUTH]
+
+
+@pytest.mark.parametrize("metric", UNDECLARED, ids=lambda each: each.name)
+def test_what_a_metric_reads_it_declares(metric, monkeypatch):
+    monkeypatch.setattr("hmdwarp.metrics.metric.metrics_in_order", lambda: [metric])
+    with pytest.raises(HmdwarpError, match="`needs` does not declare it"):
+        measure(QualityJob(Compared(noise(1), noise(2), turned(0))))
 
 
 @pytest.mark.parametrize("workers", [0, 1, 2])

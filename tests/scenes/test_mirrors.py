@@ -53,11 +53,8 @@ def test_a_curved_mirror_is_the_ball_around_it():
     assert found.shape.radius_m == pytest.approx(0.4, rel=1e-6)
 
 
-def bent_up(mesh: Mesh) -> Mesh:
-    return attrs.evolve(mesh, positions=mesh.positions + np.array([(0, 0, 0), (0, 0, 0), (0, 0, 0.1), (0, 0, 0)]))
-
-
 TURNED = [(0, 0, 1), (0, 0, 1), (0, 1, 0), (0, 0, 1)]
+BENT = np.array([(0, 0, 0), (0, 0, 0), (0, 0, 0.1), (0, 0, 0)])
 BALL = attrs.evolve(Ball((0, 0, 0), 1.0).mesh("b"), material=Material(reflectivity=0.5))
 
 
@@ -66,7 +63,10 @@ BALL = attrs.evolve(Ball((0, 0, 0), 1.0).mesh("b"), material=Material(reflectivi
     [
         ([attrs.evolve(mirror(), normals=np.zeros((4, 3)))], "'glass': a mirror without a normal: .* not of length 1"),
         ([attrs.evolve(mirror(), normals=TURNED)], "without a normal: its normals differ by up to .* deg"),
-        ([bent_up(mirror())], "without a normal: its vertices leave a plane by 100 mm"),
+        (
+            [attrs.evolve(mirror(), positions=mirror().positions + BENT)],
+            "without a normal: its vertices leave a plane by 100 mm",
+        ),
         ([attrs.evolve(mirror(), normals=-mirror().normals)], "without a normal: some triangles face away"),
         ([BALL], r"differ by up to .*\(curved=True\)"),
         ([attrs.evolve(mirror(curved=True), positions=np.zeros((4, 3)))], "a curved mirror of no size"),

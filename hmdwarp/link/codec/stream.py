@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...colour import linear_from_srgb, srgb8_from_linear, srgb_from_linear
-from ...errors import MachineError
+from ...errors import InputError, MachineError
 from ...platforms import priority_kept
 from ...resources import pyav
 from .codecs import LARGE, Codec, codecs
+from .coding import Coding
 
 Size = tuple[int, int]
 
@@ -264,7 +265,8 @@ class Encoder:
 
     size: (w, h). crf: constant quality, 0 (best) to 51; or bitrate_mbit: Mbit/s of the video;
     neither: the codec's own crf. keeps_beyond_1: whether light above 1 is kept; a display clips it,
-    but what is multiplied by less than 1 before it is shown needs it. Errors: as ColourEncoder.
+    but what is multiplied by less than 1 before it is shown needs it. Errors: InputError for
+    numbers out of range, and codec "none"; as ColourEncoder.
     """
 
     def __init__(
@@ -277,8 +279,12 @@ class Encoder:
         bitrate_mbit: float | None = None,
         keeps_beyond_1: bool = False,
     ) -> None:
+        Coding(codec=codec, crf=crf, bitrate_mbit=bitrate_mbit)  # refuses numbers out of range
+        if (how := codecs.get(codec)).is_none:
+            known = ", ".join(each.name for each in codecs if not each.is_none)
+            raise InputError(f"codec '{codec}' encodes nothing: expected one of {known}")
         self._shape = (*size[::-1], 4)
-        self._colour = ColourEncoder(codecs.get(codec), size, rate_hz, crf, bitrate_mbit)
+        self._colour = ColourEncoder(how, size, rate_hz, crf, bitrate_mbit)
         self._number = self._stops = 0
         self._keeps_beyond_1, self._before = keeps_beyond_1, np.zeros(size[::-1], np.uint8)
 

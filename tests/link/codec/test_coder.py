@@ -268,6 +268,8 @@ def test_bytes_are_those_of_the_settings(codec):
 LACKS = "built without the {}, which codec 'h264' needs: install PyAV from its wheel"
 REFUSED = [
     (lambda: Coding("h264", crf=60), InputError, "crf 60: expected 0"),
+    (lambda: Encoder("h264", (64, 64), 60, crf=60), InputError, "crf 60: expected 0"),
+    (lambda: Encoder("none", (64, 64), 60), InputError, "encodes nothing: expected one of av1, h264, hevc, vp9"),
     (lambda: Coding("h264", crf=-1), InputError, "crf -1"),
     (lambda: Coding("h264", bitrate_mbit=0), InputError, "bitrate 0 Mbit/s"),
     (lambda: Coding("h264", bitrate_mbit=float("nan")), InputError, "bitrate nan"),

@@ -31,14 +31,10 @@ def layered(server: Server, view=VIEW, needs: Needs = EVERY):
     return server.draw_frame([view], 0, SIZE, needs=needs).eyes[0]
 
 
-def quad_of(quad) -> tuple:
-    return quad.centre, quad.right, quad.up
-
-
 def first(things, place: np.ndarray, rays: np.ndarray) -> Hits:
     """What rays meet first of some quads or balls."""
     if isinstance(things[0], Quad):
-        return cast_quads([quad_of(quad) for quad in things], place, rays)
+        return cast_quads([(quad.centre, quad.right, quad.up) for quad in things], place, rays)
     return cast_spheres([(*ball.centre, ball.radius) for ball in things], place, rays)
 
 
