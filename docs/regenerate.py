@@ -46,6 +46,7 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "warper cost": ("docs/measure/warper_cost.py", True),
     "refresh calls": ("docs/measure/refresh_calls.py", False),
     "averaging": ("docs/measure/averaging_cost.py", True),
+    "averaging gain": ("docs/measure/averaging_gain.py", True),
     "foveation": ("docs/measure/foveated.py", True),
     "hidden area": ("docs/measure/hidden_area.py", True),
     "page reads": ("docs/measure/page_reads.py", True),
