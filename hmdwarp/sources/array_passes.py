@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import Any
 
 import attrs
 import moderngl
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb, srgb8_from_linear
 from ..gpu.context import Gpu
 from ..gpu.egl import clear_buffer, mapped
-from ..gpu.textures import SCALAR, Canvas, allocate, flip_rows, texture_bytes
+from ..gpu.textures import SCALAR, Canvas, Owner, allocate, flip_rows, texture_bytes
 
 # What colour may be: sRGB as bytes, sRGB or linear light as floats.
 SRGB8, SRGB, LINEAR = "srgb8", "srgb", "linear"
@@ -30,27 +29,6 @@ _WORDS = 8
 _INVERSE, _METRES, _UINT16, _UINT16_INVERSE = range(4)
 LARGEST_CODE = 65534  # of depth in 16 bits; 65535 is none
 _RESULTS = (SRGB8, SRGB, LINEAR)
-
-
-T = TypeVar("T")
-
-
-class Owner:
-    """Closes, or releases, all that it owns, the last first."""
-
-    @functools.cached_property
-    def _owned(self) -> list[Any]:
-        return []
-
-    def own(self, made: T) -> T:
-        """Return what was made, which is this one's to free from now on."""
-        self._owned.append(made)
-        return made
-
-    def close(self) -> None:
-        while self._owned:
-            made = self._owned.pop()
-            (made.close if hasattr(made, "close") else made.release)()
 
 
 @attrs.frozen(eq=False)

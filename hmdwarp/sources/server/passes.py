@@ -18,9 +18,8 @@ from ...geometry import Fov, Pose, View
 from ...geometry.cube import FACES, face_views
 from ...gpu.context import Gpu
 from ...gpu.shaders import Draw, Uniforms
-from ...gpu.textures import COLOUR, allocate, check_size, drawing_into, flip_rows, release_all
+from ...gpu.textures import COLOUR, Owner, allocate, check_size, drawing_into, flip_rows, release_all
 from ...scenes import ATLAS, MOST_LAMPS, Mesh, Scene, Texture, blocking, chunks_of, indirect_atlas, lamps_at
-from ..array_passes import Owner
 
 NEAR_M = 0.02  # closer than an eye comes to anything but its own lens
 _IDENTITY, _LAST = np.eye(4), (0, 0, -1, 0)

@@ -17,9 +17,9 @@ from ...frames import EyeImage, Frame
 from ...frames.layers import layers
 from ...geometry import Pose, View
 from ...gpu.context import Gpu
-from ...gpu.textures import COLOUR, SCALAR, allocate, check_size, release_all, texture_bytes
+from ...gpu.textures import COLOUR, SCALAR, Owner, allocate, check_size, release_all, texture_bytes
 from ...scenes import Scene
-from ..array_passes import Arrays, GiveCodes, Owner, Upload
+from ..array_passes import Arrays, GiveCodes, Upload
 from .passes import ScenePasses
 
 MOST_SETTINGS = 8  # settings of a layer for which something is kept, of all clients: those of one request, at most

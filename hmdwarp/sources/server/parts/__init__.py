@@ -17,10 +17,9 @@ from ....frames import EyeImage, Needs
 from ....frames.layers import layers
 from ....geometry import View
 from ....gpu.context import Gpu
-from ....gpu.textures import COLOUR, SCALAR, allocate
+from ....gpu.textures import COLOUR, SCALAR, Owner, allocate
 from ....registry import Registry
 from ....scenes import Scene
-from ...array_passes import Owner
 from ..passes import ScenePasses, SceneTextures
 from ..targets import MOST_SETTINGS, Framebuffers, LastUsed, Renderer, Target
 

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from ....frames import EyeImage, Mirrored, Reflection, Surface
 from ....geometry import Fov, Mirror, Pose, View
 from ....geometry.view import mirrors_in_eye, tangents_of_pixels
-from ....gpu.textures import COLOUR, drawing_into
+from ....gpu.textures import COLOUR, Owner, drawing_into
 from ....scenes import Scene, SceneMirror
-from ...array_passes import Owner
 from ..passes import NEAR_M, SAME_SURFACE, Place, ScenePasses, clear_depth, clip_from_eye, draw_cube, eye_from_scene
 from ..targets import Target
 from . import DrawContext, Drawing, Part, parts

@@ -22,9 +22,8 @@ from ....frames.layers.pictures import FoveatedPicture
 from ....frames.layers.scene_parts import Delivery, Simplified
 from ....geometry import Fovea, Pose, View, WarpMap
 from ....geometry.cube import cube_size, wide_size, wide_view
-from ....gpu.textures import COLOUR, NUMBER, SCALAR, download, drawing_into, flip_rows
+from ....gpu.textures import COLOUR, NUMBER, SCALAR, Owner, download, drawing_into, flip_rows
 from ....scenes import COARSE, FULL, HALF, Scene, partial_scene, pieces_of
-from ...array_passes import Owner
 from ..passes import SAME_SURFACE, DeformingMesh, Moving, MovingBody, ScenePasses, draw_cube, draw_moving, may_be_seen
 from ..targets import BYTES_BINDING, MOST_SETTINGS, LastUsed, Renderer, display_bytes
 from . import NEAREST_M, DrawContext, Drawing, Head, Part, Sender, Sending, boxes_at, distances, parts
