@@ -79,7 +79,7 @@ def test_info_for_programs_has_the_same_figures_and_no_nan(tmp_path):
     assert {defect["kind"] for defect in data["defects"]} == {defect.kind for defect in load_trace(two).defects}
     short = json.loads(run("info", write(tmp_path / "s.csv", rows(head(10))), "--json"))
     assert list(short["errors_deg"][-1]) == ["latency_ms", "none", "constant_velocity", "cautious"]
-    figures = ("mean", "p50", "p95", "p99", "lead_share", "lead_p95", "lag_p95")
+    figures = ("mean", "p50", "p95", "p99")
     assert short["errors_deg"][-1]["none"] == dict.fromkeys(figures)
 
 

@@ -23,7 +23,7 @@ from ...resources import import_extra
 from ..assumptions import Defect
 from .header import Made
 
-COLUMNS = ("stamp_ns", "log_time_ns", "topic", "x", "y", "z", "qx", "qy", "qz", "qw")
+COLUMNS = ("stamp_ns", "topic", "x", "y", "z", "qx", "qy", "qz", "qw")
 _TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 _FIELDS, _LISTS = {name: text.split() for name, text in _TABLE["fields"].items()}, _TABLE["lists"]
 WITH_POSES = {*_FIELDS, *_LISTS}  # types of messages
@@ -84,14 +84,19 @@ class PoseMessages:
                 continue
             name = " ".join(f"{topic} {child}".replace(",", " ").replace('"', " ").split())
             frames.setdefault(name, parent)
-            rows.append(",".join((str(stamped_ns), str(logged_ns), name, *map(repr, numbers))))
+            rows.append((stamped_ns, logged_ns, ",".join((name, *map(repr, numbers)))))
         if not rows:
             types, held = ", ".join([*_FIELDS, *_LISTS]), [f"{topic} ({what})" for topic, what in self.held.items()]
             others = f" that can be read; it holds {', '.join(held[:8])}" if held else ""
             raise TraceError(f"{self.path} is {self.file} without poses{others}: expected {types}, {self.wanted}")
         if part := part_of(self.path):
             self.defects.append(Defect("part-alone", part, "the others are not read"))
-        text = "\n".join([*self.comments, ",".join(COLUMNS), *rows, ""]).encode()
+        stamped = any(stamped_ns for stamped_ns, _, _ in rows)
+        if not stamped:
+            what = "its messages have no time stamps of their own"
+            self.defects.append(Defect("stamp-missing", what, "the times at which they were logged taken"))
+        lines = (f"{own_ns if stamped else logged_ns},{row}" for own_ns, logged_ns, row in rows)
+        text = "\n".join([*self.comments, ",".join(COLUMNS), *lines, ""]).encode()
         nested = {}
         for name, parent in frames.items():
             if parent in children:
