@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import json
 
 import numpy as np
@@ -204,19 +203,17 @@ def test_protobuf_of_foxglove_is_read(tmp_path):
     assert same_motion(load_trace(other_bag(tmp_path / "bag.mcap", sent)).track, track)
 
 
-def test_a_file_that_was_cut_off_is_read_up_to_there_and_one_in_gzip_whole(tmp_path):
+def test_a_file_that_was_cut_off_is_read_up_to_there(tmp_path):
     """A recorder that crashed left no index, and half a chunk."""
     kind, track = "geometry_msgs/msg/PoseStamped", head()
     sent = (("/head", kind, ns, message(kind, ns, numbers)) for ns, numbers in each(track))
     raw = ros_bag(tmp_path / "bag.mcap", sent, chunk_size=4096).read_bytes()
-    cut, packed = tmp_path / "cut.mcap", tmp_path / "bag.mcap.gz"
+    cut = tmp_path / "cut.mcap"
     cut.write_bytes(raw[: len(raw) // 2])
     loaded = load_trace(cut)
     n = len(loaded.track)
     assert "file-cut" in kinds(loaded) and 20 < n < len(track)
     np.testing.assert_allclose(loaded.track.position_m, track.position_m[:n], atol=1e-12)
-    packed.write_bytes(gzip.compress(raw))
-    assert same_motion(load_trace(packed).track, track)
 
 
 def test_damage_is_refused(tmp_path):
