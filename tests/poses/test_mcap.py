@@ -102,12 +102,9 @@ def test_other_tools_find_a_pose_in_frame_in_a_written_file(tmp_path):
     """By the reader of the format's authors: schema, times, and up is z."""
     track = head()
     with save(track.evolve(epoch_ns=EPOCH_NS), tmp_path / "a.mcap", "mcap").open("rb") as stream:
-        found = list(READER.make_reader(stream, validate_crcs=True).iter_messages())
-    assert len(found) == len(track)
-    schema, channel, message = found[7]
+        schema, _, message = list(READER.make_reader(stream, validate_crcs=True).iter_messages())[7]
     said = json.loads(message.data)
-    assert (schema.name, schema.encoding, channel.message_encoding) == ("foxglove.PoseInFrame", "jsonschema", "json")
-    assert set(json.loads(schema.data)["properties"]) == set(said)
+    assert schema.name == "foxglove.PoseInFrame" and set(json.loads(schema.data)["properties"]) == set(said)
     assert said["timestamp"] == {"sec": message.log_time // 10**9, "nsec": message.log_time % 10**9}
     assert message.log_time == EPOCH_NS + int(track.time_ns[7])
     assert said["pose"]["position"]["z"] == track.position_m[7, 1]
@@ -230,13 +227,6 @@ def test_a_file_without_poses_is_refused_with_what_it_holds(tmp_path):
     sent.append(("/old", "geometry_msgs/PoseStamped", 0, b"\0" * 8, "ros1", b"x"))
     with pytest.raises(TraceError, match=r"/imu \(sensor_msgs/Imu, cdr\), /old \(geometry_msgs/PoseStamped, ros1\)"):
         load_trace(other_bag(tmp_path / "bag.mcap", sent))
-
-
-def test_another_file_named_as_mcap_is_refused(tmp_path):
-    path = tmp_path / "a.csv"
-    path.write_text("time,x,y,z,qx,qy,qz,qw\n" + "0,0,0,0,0,0,0,1\n" * 3)
-    with pytest.raises(TraceError, match="is no MCAP file"):
-        load_trace(path, TraceOptions(format="mcap"))
 
 
 def test_a_chunk_that_unpacks_to_more_than_it_may_is_refused(tmp_path):

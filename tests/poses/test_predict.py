@@ -71,13 +71,6 @@ def test_no_sample_after_now_is_looked_at(method, now, ahead):
     assert a.pose.isclose(b.pose, atol=0)
 
 
-def test_a_known_instant_is_looked_up():
-    track = head(100)
-    now = int(track.time_ns[40])
-    assert predict(track, now, int(track.time_ns[38])).origin is Origin.MEASURED
-    assert predict(track, now, int(track.time_ns[38]) + 5).origin is Origin.INTERPOLATED
-
-
 @pytest.mark.parametrize("method", predictors.names())
 def test_prediction_stops_at_gaps_and_jumps(method):
     track = head(100)
@@ -113,18 +106,6 @@ def test_a_head_at_rest_stays(method):
     rested = track.evolve(position_m=track.position_m[still], orientation_xyzw=track.orientation_xyzw[still])
     now = int(track.time_ns[80])
     assert predict(rested, now, now + 50 * MS, method).pose.isclose(track.pose(50), atol=0)
-
-
-@pytest.mark.parametrize("method", [predictor.name for predictor in predictors])
-def test_many_at_once_are_the_single_ones_where_samples_lie(method):
-    """On a steady head; elsewhere `constant_velocity` measures from sample to sample instead."""
-    track, one = steady(), predictors.get(method)
-    now = track.time_ns[20:90:7]
-    for ahead in (20 * MS, 100 * MS, 400 * MS):
-        found = one.predict_many(track, now, ahead)
-        for k, instant in enumerate(now.tolist()):
-            single = predict(track, instant, instant + ahead, method)
-            assert Pose(found.position_m[k], found.orientation_xyzw[k]).isclose(single.pose, atol=1e-14)
 
 
 def test_bad_arguments():

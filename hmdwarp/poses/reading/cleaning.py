@@ -153,7 +153,7 @@ def _when(r: Recording) -> None:
     whole = r.stamps.whole
     over = (np.diff(whole) < -DAY_S // 2) & (whole[1:] < DAY_S) & (whole[:-1] < DAY_S)
     if r.stamps.clock and over.any():
-        _wrapped(r, "midnight", over, DAY_S * BILLION, "the clock passes midnight {}")
+        _wrapped(r, "midnight", np.flatnonzero(over) + 1, DAY_S * BILLION, "the clock passes midnight {}")
     _wraps(r)
     steps = r.stamps.steps()
     falls = float(np.mean(steps < 0)) if len(steps) > _LEAST_STEPS else 0.0
@@ -186,7 +186,7 @@ def _count_by_rate(r: Recording, rate: float) -> None:
 
 
 def _count_fractions(r: Recording) -> None:
-    """Find fractions that are counts without leading zeros: 12.5 of nanoseconds is 5 ns after 12."""
+    """Find fractions that are counts without leading zeros: 12.5 with ns is 5 ns after 12."""
     # Counts never begin with 0; as decimals they fall when a digit is added, or end with 0.
     stamps, decimals = r.stamps, r.stamps.decimals
     if decimals is None or decimals.min() == decimals.max() or decimals.max() > 9:
@@ -216,9 +216,8 @@ def _count_on(r: Recording, rows: NDArray[np.intp], shifts: list[int]) -> None:
     r.stamps = Stamps(r.stamps.whole + wholes + parts // BILLION, parts % BILLION, r.stamps.clock)
 
 
-def _wrapped(r: Recording, kind: str, before: NDArray[np.bool_], length: int, what: str) -> None:
-    """Count on where the clock begins again, after a round of so many billionths."""
-    rows = np.flatnonzero(before) + 1
+def _wrapped(r: Recording, kind: str, rows: NDArray[np.intp], length: int, what: str) -> None:
+    """Count on from these rows, where the clock begins again after so many billionths."""
     _count_on(r, rows, [length] * len(rows))
     r.wrap = what.format(counted(len(rows), "time"))
     r.found(kind, rows, r.wrap)
@@ -238,10 +237,8 @@ def _wraps(r: Recording) -> None:
         near = (top > _LONG * step) & (after > 0) & (after <= step * _NEAR)
         near &= (stamps.whole[falls] <= top) & (stamps.whole[falls + 1] >= -top / 2 - 1)
         if near.any():
-            over = np.zeros(len(steps), bool)
-            over[falls[near]] = True
             what = f"the clock wraps {{}}, at 2^{bits}{f'/{scale:g}' if scale > 1 else ''}"
-            _wrapped(r, "clock-wrap", over, 2**bits * BILLION // scale, what)
+            _wrapped(r, "clock-wrap", falls[near] + 1, 2**bits * BILLION // scale, what)
             return
 
 

@@ -283,11 +283,9 @@ def _arranged(head: Head, cells: header.Cells, order: str | None) -> dict[str, A
 def _sniff_ticks(head: Head) -> int:
     time = head.column("timestamp") if head.names else 0
     stamp = head.rows[0][time] if time is not None and time < head.width else ""
-    if not (len(stamp) == 18 and are_digits(stamp)):
-        return 0
-    if head.names is None:
-        return 6 if head.width == 8 else 0
-    return 85 if {"timestamp", "x", "y", "z", "qx", "qy", "qz", "qw"} <= set(head.names) else 0
+    named = {"timestamp", "x", "y", "z", "qx", "qy", "qz", "qw"} <= set(head.names or ())
+    likely = 6 * (head.width == 8) if head.names is None else 85 * named
+    return likely if len(stamp) == 18 and are_digits(stamp) else 0
 
 
 def _sniff_frames(head: Head) -> int:

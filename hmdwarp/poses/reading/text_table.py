@@ -29,7 +29,7 @@ from ..assumptions import Defect, Layout
 from ..options import VECTOR, TraceOptions
 from .header import COMMENT_SIGNS, Made, is_number
 from .made_rows import MARK, cells_reader, export_reader, table_of_colmap, table_of_json
-from .pose_messages import MAGIC, BagPoses, McapPoses
+from .pose_messages import MAGIC, table_of_bag, table_of_mcap
 from .pose_messages import MAGICS as BAGS
 
 Array = NDArray[np.float64]
@@ -175,9 +175,9 @@ def _made(path: Path, start: bytes, file: BinaryIO) -> Made | None:
         return data
 
     if start.startswith(MAGIC):
-        return McapPoses(path, file, os.fstat(file.fileno()).st_size).table()
+        return table_of_mcap(path, file, os.fstat(file.fileno()).st_size)
     if start.startswith(BAGS):
-        return BagPoses(path).table()
+        return table_of_bag(path)
     if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
         return table_of_json(path, whole())
     if MARK in start[:200]:
