@@ -147,8 +147,16 @@ _OFF_TICK, _ONE_SIZE, _EVENER, _IN_TICK = 0.08, 0.98, 0.5, 1.15
 
 def _when(r: Recording) -> None:
     """Read the stamps, count on where the clock begins again, take one recording."""
-    if r.options.rate is not None:
-        _count_by_rate(r, r.options.rate)
+    if (rate := r.options.rate) is not None and r.layout.unit == FRAMES:
+        r.found("clock-by-rate", None, "the file numbers its frames", "these numbers", rate)
+    elif rate is not None:
+        step_ns = BILLION / rate
+        if (len(r) - 1) * step_ns > LARGEST:
+            raise TraceError(f"{r.where}: {len(r)} rows at {rate:g} Hz last over 146 years; give a higher --trace-rate")
+        r.stamps = Stamps(np.rint(np.arange(len(r)) * step_ns).astype(np.int64), np.zeros(len(r), np.int64))
+        r.layout = attrs.evolve(r.layout, unit="ns")
+        aside = "the file's own clock is put aside" if r.layout.clock_ignored else "the file has no time"
+        r.found("clock-by-rate", None, aside, "row numbers", rate)
     _count_fractions(r)
     whole = r.stamps.whole
     over = (np.diff(whole) < -DAY_S // 2) & (whole[1:] < DAY_S) & (whole[:-1] < DAY_S)
@@ -167,22 +175,9 @@ def _when(r: Recording) -> None:
     _clock_changes(r)
     _take_segment(r)
     _read_times(r)
-    if r.options.rate is None:
+    if rate is None:
         _coarse_clock(r)
         _judge_rate(r)
-
-
-def _count_by_rate(r: Recording, rate: float) -> None:
-    n, step_ns = len(r), BILLION / rate
-    if (n - 1) * step_ns > LARGEST:
-        raise TraceError(f"{r.where}: {n} rows at {rate:g} Hz last over 146 years; give a higher --trace-rate")
-    if r.layout.unit == FRAMES:
-        r.found("clock-by-rate", None, "the file numbers its frames", "these numbers", rate)
-        return
-    r.stamps = Stamps(np.rint(np.arange(n) * step_ns).astype(np.int64), np.zeros(n, np.int64))
-    r.layout = attrs.evolve(r.layout, unit="ns")
-    aside = "the file's own clock is put aside" if r.layout.clock_ignored else "the file has no time"
-    r.found("clock-by-rate", None, aside, "row numbers", rate)
 
 
 def _count_fractions(r: Recording) -> None:
@@ -438,8 +433,14 @@ _NEARER, _PAIRED, _LEAST_PAIRS = 8, 0.3, 20
 _LEAST_RUN = 3  # rows of one pose at the start
 
 
+def _pose_repeats(r: Recording) -> NDArray[np.bool_]:
+    """Return of each row but the last whether the next has the same pose, (n - 1,)."""
+    same = (r.orientation[1:] == r.orientation[:-1]).all(axis=1)
+    return np.asarray(same if r.position is None else same & (r.position[1:] == r.position[:-1]).all(axis=1))
+
+
 def _which_are_new(r: Recording) -> None:
-    """Drop rows of an instant that has another, and default poses."""
+    """Drop rows of an instant that has another, and default poses, to and from which it jumps."""
     if r.judged.is_inverse:
         r.orientation, r.position = inverted(r.orientation, r.position)
     at = np.flatnonzero(np.diff(r.time_ns) == 0)
@@ -449,19 +450,8 @@ def _which_are_new(r: Recording) -> None:
         near = np.flatnonzero(steps * _NEARER < np.quantile(steps, 0.9))
         if len(near) >= _PAIRED * len(steps):
             r.found("paired-rows", near, len(near), np.median(steps[near]) / 1e6)
-    _drop_default_poses(r)
-
-
-def _pose_repeats(r: Recording) -> NDArray[np.bool_]:
-    """Return of each row but the last whether the next has the same pose, (n - 1,)."""
-    same = (r.orientation[1:] == r.orientation[:-1]).all(axis=1)
-    return np.asarray(same if r.position is None else same & (r.position[1:] == r.position[:-1]).all(axis=1))
-
-
-def _drop_default_poses(r: Recording) -> None:
-    """Drop rows of no turn, or exactly at the origin, that the head jumps to and from."""
     q, p = r.orientation, r.position
-    default = np.abs(q[:, :3]).max(axis=1) < _ZERO_NORM
+    default = np.abs(q[:, :3]).max(axis=1) < _ZERO_NORM  # no turn, or exactly at the origin
     if p is not None:
         default |= ~p.any(axis=1)
     run = int(np.append(_pose_repeats(r), False).argmin()) + 1  # what recorders write until tracking starts
@@ -509,12 +499,9 @@ def _axes_and_unit(r: Recording) -> None:
         r.found("no-position", None)
     elif (scale := r.judged.scale[0]) != 1:
         r.position *= scale
-    if r.gaze is not None:
-        _turn_gaze(r, r.gaze)
-
-
-def _turn_gaze(r: Recording, found: NDArray[np.float64]) -> None:
-    """Make the gaze a direction in the head's axes, NaN where the tracker had none."""
+    if (found := r.gaze) is None:
+        return
+    # A direction in the head's axes, NaN where the tracker had none.
     length = np.linalg.norm(found, axis=1, keepdims=True)
     lost = length[:, 0] < _WORST_NORM
     if found.shape[1] == 4:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import Any
 
@@ -150,10 +150,9 @@ def column_of(head: Head, word: str) -> int:
 
 def column_of_devices(head: Head) -> int | None:
     """Return the column that names devices, by its own name or by heads or hands in its rows."""
-    names = head.names or []
-    if (named := header.find_columns(names).device) is not None:
+    if (named := header.find_columns(head.names or []).device) is not None:
         return named
-    for column in range(len(names)):
+    for column in range(len(head.names or [])):
         fields = [row[column] for row in head.rows if column < len(row)]
         changes = sum(a != b for a, b in itertools.pairwise(fields))
         bodies = any(header.head_rank(name) != header.UNRANKED for name in set(fields) if not header.is_number(name))
@@ -187,12 +186,11 @@ def with_clock(head: Head, layout: Layout, options: TraceOptions) -> Layout:
 
 
 def axes_stated(head: Head) -> str | None:
-    """Return the axes that a comment of the file states, as `parse_axes` takes them.
+    """Return the axes that a comment states, such as "# axes: tum-rgbd", for `parse_axes`.
 
-    For instance "# axes: tum-rgbd". Comments in words count where they name OpenXR.
+    Comments in words count where they name OpenXR.
     """
-    for _, text in head.comments:
-        key, _, value = text.partition(":")
+    for key, _, value in (text.partition(":") for _, text in head.comments):
         if key.strip().lower() == "axes":
             with suppress(InputError):
                 said = OPENXR if OPENXR in value.lower() else value
@@ -220,9 +218,9 @@ def stated_layout(head: Head, options: TraceOptions) -> Layout:
     parts = [part.partition("=") for part in text.split(",")]
     stated: dict[str, tuple[int, ...]] = {}
     for key, _, value in parts:
-        found = re.fullmatch(r"\s*(\d+)\s*-\s*(\d+)\s*", value)  # from one number to another (2-17)
-        span = found is not None and head.column(value) is None
-        words = map(str, range(int(found[1]), int(found[2]) + 1)) if found and span else value.split("+")
+        words: Iterable[str] = value.split("+")
+        if (span := re.fullmatch(r"\s*(\d+)\s*-\s*(\d+)\s*", value)) and head.column(value) is None:  # such as 2-17
+            words = map(str, range(int(span[1]), int(span[2]) + 1))
         if value:
             stated[key.strip()] = tuple(column_of(head, word) for word in words)
     turns = [key for key in stated if key in "qmre"]

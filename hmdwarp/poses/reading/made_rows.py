@@ -199,7 +199,12 @@ def _cells_made(_: Path, text: str) -> Made | None:
     outside = re.sub(r'"[^"]*"|\([^()]*\)|\[[^\[\]]*\]|\{[^{}]*\}', "", outside)
     separator = next((mark for mark in ";\t," if mark in outside), None)
     first = [_parts(cell) for cell in _cells(lines[begin], separator)]
-    header = [_header_name(cell) for cell in _cells(lines[begin - 1], separator)] if begin else []
+    bare = [cell.strip().strip('"').strip("# ") for cell in _cells(lines[begin - 1], separator)] if begin else []
+    lettered = [(name, re.search(r"[(\[{]((?:\s*[A-Za-z]\s*[,;\s])+\s*[A-Za-z])\s*[)\]}]$", name)) for name in bare]
+    header = [
+        (name[: found.start()].strip(), "".join(re.findall("[A-Za-z]", found[1])).lower()) if found else (name, "")
+        for name, found in lettered
+    ]
     named = len(header) == len(first)
     names: list[str] = []
     for i, parts in enumerate(first):
@@ -253,14 +258,6 @@ def _parts(cell: str) -> list[tuple[str, str]]:
     if len(found) > 1 and all(_PLAIN.match(part) for part in found):
         return [("", part) for part in found]
     return [("", bare.replace(",", " "))]
-
-
-def _header_name(cell: str) -> tuple[str, str]:
-    bare = cell.strip().strip('"').strip("# ")
-    letters = re.search(r"[(\[{]((?:\s*[A-Za-z]\s*[,;\s])+\s*[A-Za-z])\s*[)\]}]$", bare)
-    if letters is None:
-        return bare, ""
-    return bare[: letters.start()].strip(), "".join(re.findall("[A-Za-z]", letters[1])).lower()
 
 
 def _names(name: str, letters: str, parts: list[tuple[str, str]]) -> list[str]:
