@@ -14,7 +14,6 @@ import math
 import os
 import re
 import tomllib
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -289,18 +288,21 @@ class Recording:
                 self.keep(kept)
 
 
+# Of a chunk: its numbers, a column each of those that are read, lines, devices and times.
+_Piece = tuple[Array, NDArray[np.int32], Any, Any]
+
+
 class RowReader:
     """Reads the rows of one file."""
 
     def __init__(self, head: Head, layout: Layout, options: TraceOptions) -> None:
         self.head, self.layout, self.options = head, layout, options
         self.defects: list[Defect] = [*(() if head.made is None else head.made.defects), *layout.caveats]
-        self._is_cut = self._is_clock = False
+        self._is_cut = False
         self._repeated_headers: list[int] = []
         self._bad_rows = 0
         self._first_bad: tuple[int, str] | None = None
         self._columns = [*layout.orientation, *(layout.position or ()), *layout.gaze]
-        self._parts: dict[str, list[NDArray[Any]]] = defaultdict(list)  # of each column, a piece for each chunk
         self._width = head.width
 
     def read(self) -> Recording:
@@ -312,11 +314,10 @@ class RowReader:
             if len(head.rows) == 1 and self._width < len(names):
                 what = f"the only row ends after {self._width} of {len(names)} fields; it was cut off"
             raise TraceError(f"{head.path}: line {head.first_line}: {what}")
-        count = 0
-        for text, line, lines, is_last in self._chunks():
-            if not self._read_fast(text, line, lines):
-                self._read_slowly(text, line, is_last)
-            count = sum(map(len, self._parts["line"]))
+        count, pieces = 0, list[_Piece]()
+        for text, first, lines, is_last in self._chunks():
+            pieces.append(self._read_fast(text, first, lines) or self._read_slowly(text, first, is_last))
+            count += len(pieces[-1][0])
             if count > MOST_ROWS:
                 raise TraceError(f"{head.path}: more than {MOST_ROWS:,} rows; expected fewer: cut it")
         if again := self._repeated_headers:
@@ -332,16 +333,21 @@ class RowReader:
         if not count:
             cut = f" ({self.defects[0]})" if self.defects else ""
             raise TraceError(f"{head.path} holds no usable row{cut}")
-        columns: dict[str, Any] = {}
-        for name, pieces in self._parts.items():
-            columns[name] = np.concatenate(pieces)
-            pieces.clear()  # at once: the peak is the result and one column
-        whole, parts, decimals = (columns.pop(name, np.zeros(0, np.int64)) for name in _STAMPS)
-        if self.layout.rest is not None and parts.max(initial=0) >= BILLION:  # a clock of its own
+        layout, turns = self.layout, len(self.layout.orientation)
+        values, numbers = np.concatenate([piece[0] for piece in pieces]), np.concatenate([piece[1] for piece in pieces])
+        device = None if layout.device is None else np.concatenate([piece[2] for piece in pieces])
+        stamps = [piece[3] for piece in pieces]
+        pieces.clear()  # before the columns are copied
+        whole, parts, decimals = (np.concatenate([getattr(one, part) for one in stamps]) for part in _STAMPS)
+        if layout.rest is not None and parts.max(initial=0) >= BILLION:  # a clock of its own
             whole, parts = np.divmod(parts, BILLION)
-        columns["orientation"] = self._quaternions(columns["orientation"])
-        clock = Stamps(whole, parts, self._is_clock, decimals)
-        return Recording(head, self.layout, self.options, self._is_cut, self.defects, clock, **columns)
+        return Recording(
+            head, layout, self.options, self._is_cut, self.defects,
+            Stamps(whole, parts, any(one.clock for one in stamps), decimals), numbers,
+            orientation=self._quaternions(values[:, :turns].copy()),
+            position=None if layout.position is None else values[:, turns : turns + 3].copy(),
+            gaze=values[:, -len(layout.gaze) :].copy() if layout.gaze else None, device=device,
+        )  # fmt: skip
 
     def _wrong_width(self, found: int, wanted: int) -> str:
         what = f"{found} fields where {'the header names' if self.head.names else 'the first row has'} {wanted}"
@@ -372,25 +378,11 @@ class RowReader:
             self._is_cut = True
             yield rest, line, 1, True
 
-    def _add(self, line: Array, values: Array, stamps: Stamps | None, device: NDArray[np.bytes_] | None) -> None:
-        """Add a chunk's rows, column by column."""
-        turns = len(self.layout.orientation)
-        found: dict[str, NDArray[Any] | None] = {"line": line.astype(np.int32), "device": device}
-        found["orientation"] = values[:, :turns].copy()
-        found["position"] = None if self.layout.position is None else values[:, turns : turns + 3].copy()
-        found["gaze"] = values[:, -len(self.layout.gaze) :].copy() if self.layout.gaze else None
-        if stamps is not None:
-            found |= {name: getattr(stamps, name) for name in _STAMPS}
-            self._is_clock |= stamps.clock
-        for name, column in found.items():
-            if column is not None:
-                self._parts[name].append(column)
-
-    def _read_fast(self, text: bytes, line: int, count: int) -> bool:
-        """Parse the whole chunk by numpy's C parser; return False for anything unusual."""
+    def _read_fast(self, text: bytes, line: int, count: int) -> _Piece | None:
+        """Parse the whole chunk by numpy's C parser; return None for anything unusual."""
         layout, texts = self.layout, {}
         if layout.rest is not None or b'"' in text:
-            return False
+            return None
         # A field for every column, of one byte where it is not read: other rows are refused.
         kinds: dict[int, Any] = dict.fromkeys(range(self._width), "S1") | dict.fromkeys(self._columns, np.float64)
         kinds |= {column: f"S{WIDTH}" for column in (layout.time, layout.device) if column is not None}
@@ -401,21 +393,20 @@ class RowReader:
             values = np.column_stack([table[f"c{column}"].astype(np.float64) for column in self._columns])
             # min and max are NaN if anything is
             if len(table) != count or not -_FARTHEST < values.min() <= values.max() < _FARTHEST:
-                return False
+                return None
             for column in {layout.time, layout.device} - {None}:
                 field = np.ascontiguousarray(table[f"c{column}"])
                 if field.view(np.uint8).reshape(count, -1)[:, -1].any():
-                    return False  # longer than what is kept of it
+                    return None  # longer than what is kept of it
                 texts[column] = np.strings.strip(field)
-            stamps = None
+            stamps: Stamps | None = stamps_of([])
             if layout.time is not None and (stamps := _parse_plain(texts[layout.time])) is None:
                 stamps = stamps_of([parse_one(one.decode("latin-1")) for one in texts[layout.time].tolist()])
         except (ValueError, OverflowError):
-            return False
-        self._add(np.arange(line, line + count), values, stamps, texts.get(layout.device))
-        return True
+            return None
+        return values, np.arange(line, line + count, dtype=np.int32), texts.get(layout.device), stamps
 
-    def _read_slowly(self, chunk: bytes, line: int, is_last: bool) -> None:
+    def _read_slowly(self, chunk: bytes, line: int, is_last: bool) -> _Piece:
         """Parse line by line, skip what is no row, drop a cut last line, count other bad ones."""
         lines = enumerate(chunk.decode("utf-8", "replace").split("\n"), line)
         found = [(number, t.strip()) for number, t in lines if t.strip(" \t\r\x00")]
@@ -437,13 +428,10 @@ class RowReader:
                 else:
                     self._bad_rows += 1
                     self._first_bad = self._first_bad or (number, str(error))
-        numbers, values, stamps, devices = ([row[k] for row in rows] for k in range(4))
-        self._add(
-            np.array(numbers, np.int32),
-            np.array(values, np.float64).reshape(len(rows), len(self._columns)),
-            None if self.layout.time is None else stamps_of(stamps),
-            None if self.layout.device is None else np.array(devices, np.bytes_),
-        )
+        values = np.array([row[1] for row in rows], np.float64).reshape(len(rows), len(self._columns))
+        stamps = stamps_of([row[2] for row in rows if self.layout.time is not None])
+        devices = np.array([row[3] for row in rows], np.bytes_)
+        return values, np.array([row[0] for row in rows], np.int32), devices, stamps
 
     def _parse_line(self, text: str) -> tuple[list[float], tuple[int, int, bool, int], bytes]:
         layout, fields = self.layout, split(text, self.head.separator)
