@@ -54,6 +54,12 @@ def parse_euler(text: str) -> Euler:
     return Euler(axes, unit == "deg", signs or (1, 1, 1))
 
 
+def _parse_axes(text: str) -> None:
+    from .reading.axes import parse_axes
+
+    parse_axes(text)
+
+
 @attrs.frozen
 class TraceOptions(Declared):
     """Overrides for reading a trace; None leaves the fact to the file. Errors: InputError."""
@@ -68,9 +74,10 @@ class TraceOptions(Declared):
     up: str | None = option(  # See `reading.axes.parse_axes`
         None, "What is up in the file: an axis (y, z, -z); right,up,forward (x,z,y); or a direction (0.04,0.95,0.3)."
     )
-    axes: str | None = option(  # See `reading.axes.parse_axes`
-        None, "Axes of the file: a preset (hmdwarp list axes), or world=right,up,forward head=right,up,forward."
-    )
+    axes: str | None = option(
+        None, "Axes of the file: a preset (hmdwarp list axes), or world=right,up,forward head=right,up,forward.",
+        valid=lambda _, __, value: value is None or _parse_axes(value),
+    )  # fmt: skip
     scale: float | None = option(
         None, "Metres per unit of the file's positions; by default as its format has it.",
         valid=Number(least=1e-6, most=1e6),
