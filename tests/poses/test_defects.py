@@ -49,6 +49,12 @@ def test_1_midnight_is_no_new_recording(tmp_path):
     assert loaded.time_unit == "hours:minutes:seconds"
 
 
+@pytest.mark.parametrize(("half", "hours"), [("AM", 0), ("PM", 12)])
+def test_twelve_is_midnight_or_noon(tmp_path, half, hours):
+    table = [[f"12:{i // 60:02d}:{i % 60:02d} {half}", *r[1:]] for i, r in enumerate(TABLE)]
+    assert load_trace(write(tmp_path / "h.csv", table)).track.epoch_ns == hours * 3600 * 10**9
+
+
 def decimal_commas(table):
     return [[f.replace(".", ",") for f in r] for r in table]
 
