@@ -54,10 +54,9 @@ def parse_euler(text: str) -> Euler:
     return Euler(axes, unit == "deg", signs or (1, 1, 1))
 
 
-def _parse_axes(text: str) -> None:
-    from .reading.axes import parse_axes
-
-    parse_axes(text)
+def _refuse_auto(axes: str | None) -> None:
+    if axes is not None and axes.strip().lower() == "auto":
+        raise InputError(f"--axes {axes}: expected a preset of 'hmdwarp list axes', or world=.. head=..")
 
 
 @attrs.frozen
@@ -76,7 +75,7 @@ class TraceOptions(Declared):
     )
     axes: str | None = option(
         None, "Axes of the file: a preset (hmdwarp list axes), or world=right,up,forward head=right,up,forward.",
-        valid=lambda _, __, value: value is None or _parse_axes(value),
+        valid=lambda _, __, value: _refuse_auto(value),
     )  # fmt: skip
     scale: float | None = option(
         None, "Metres per unit of the file's positions; by default as its format has it.",
