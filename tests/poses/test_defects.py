@@ -457,7 +457,9 @@ def test_a_coarse_clock_is_told_and_evened_out(tmp_path, tick_ns, rate, up_ns):
     told = found(loaded, "clock-coarse").what
     assert abs(float(told.split("ticks of ")[1].split()[0]) - tick_ns / 1e6) < 0.1 and " degrees" in told
     # A row's step at either end of a tick, over the ticks of the whole, and half a printed ms.
-    assert np.abs(loaded.track.time_ns - track.time_ns).max() < BILLION / rate + 0.02 * tick_ns
+    near_ns = BILLION / rate + 0.02 * tick_ns
+    assert np.abs(loaded.track.time_ns - track.time_ns).max() < near_ns
+    assert abs(loaded.track.epoch_ns - int(up_ns * tick_ns)) < near_ns  # a tick is taken for its beginning
 
 
 def test_a_coarse_clock_that_no_even_rows_fit_is_told_with_what_it_costs(tmp_path):
