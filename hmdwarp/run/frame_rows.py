@@ -1,8 +1,9 @@
-"""The rows of frames.csv, one per eye and refresh; the head's speed; the way of the last frames."""
+"""The rows of frames.csv, one per eye and refresh; how the last frames came; answers to inputs."""
 
 from __future__ import annotations
 
-import functools
+import csv
+import io
 import math
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -83,13 +84,8 @@ class Timeline:
 
 Row = dict[str, Any]
 Stages = Iterable[tuple[str, float]]
-HEADER = ",".join(FRAME_COLUMNS) + "\n"
 STAGE_COLUMNS = ("warp_ms", "fill_ms", "effects_ms", "lens_ms", "total_ms")
-NOT_KNOWN = (None,) * len(STAGE_COLUMNS)
-# The columns that differ between the eyes of a refresh, by index.
-_EYE, _HOLES, _FIRST = (FRAME_COLUMNS.index(name) for name in ("eye", "hole_share", STAGE_COLUMNS[0]))
-_STAGES = slice(_FIRST, _FIRST + len(STAGE_COLUMNS))
-assert FRAME_COLUMNS[_STAGES] == STAGE_COLUMNS
+_NAMES = {prefix: tuple(f"{prefix}_{part}" for part in POSE_PARTS) for prefix in ("shown", "drawn")}
 
 
 @attrs.frozen(eq=False)
@@ -149,36 +145,11 @@ def stage_columns(stages: Stages) -> Row:
     return {**columns, "total_ms": sum(columns.values())}
 
 
-def rows_text(moment: Moment, stages: Sequence[Sequence[float | None]], holes: Sequence[float | None]) -> str:
-    """Return one line for each eye; both take about 30 us.
-
-    stages: of each eye, in the order of STAGE_COLUMNS; holes: the share of each eye's pixels.
-    """
-    columns = {**moment.figures, **moment.poses()}
-    fields = [_text(columns.get(name)) for name in FRAME_COLUMNS]
-    lines = []
-    for eye in range(moment.eyes):
-        fields[_EYE] = str(eye)
-        fields[_STAGES] = map(_text, stages[eye])
-        fields[_HOLES] = _text(holes[eye])
-        lines.append(",".join(fields))
-    lines.append("")
-    return "\n".join(lines)
-
-
-_NAMES = {prefix: tuple(f"{prefix}_{part}" for part in POSE_PARTS) for prefix in ("shown", "drawn")}
-
-
-def _text(value: float | str | None) -> str:
-    if value is None:
-        return ""
-    return _quoted(value) if isinstance(value, str) else repr(value)
-
-
-@functools.lru_cache(64)
-def _quoted(text: str) -> str:
-    """Quote a value for CSV: a warp's settings are separated by commas."""
-    return '"' + text.replace('"', '""') + '"' if any(mark in text for mark in ',"\r\n') else text
+def csv_text(rows: Iterable[Row]) -> str:
+    """Return lines of frames.csv."""
+    text = io.StringIO()
+    csv.DictWriter(text, FRAME_COLUMNS, extrasaction="ignore", lineterminator="\n").writerows(rows)
+    return text.getvalue()
 
 
 _NOT_MEASURED = dict.fromkeys(QUALITY)

@@ -10,8 +10,8 @@ import sys
 import threading
 import time
 from bisect import bisect_left
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, ExitStack, closing, suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, suppress
 from pathlib import Path
 from types import FrameType
 from typing import Any, Protocol
@@ -135,23 +135,6 @@ LAST_WORDS_S = 10.0
 PRINTING_S = 1.0
 
 
-class _Watch:
-    """Watched calls of one name, which may nest: it keeps no state of a single call."""
-
-    __slots__ = ("_dog", "_what")
-
-    def __init__(self, dog: Watchdog, what: str) -> None:
-        self._dog, self._what = dog, what
-
-    def __enter__(self) -> None:
-        dog = self._dog
-        dog._under_way.append(self._what)
-        dog._entered += 1
-
-    def __exit__(self, *_: object) -> None:
-        self._dog._under_way.pop()
-
-
 class Watchdog:
     """Watch calls from a thread of its own while it is entered.
 
@@ -164,15 +147,20 @@ class Watchdog:
     def __init__(self, limit_s: float, last_words: Sequence[Callable[[], str]]) -> None:
         self._limit_s, self._last_words = limit_s, last_words
         self._look_s = min(limit_s / LOOKS, LONGEST_LOOK_S)
-        self._watches: dict[str, _Watch] = {}
         self._under_way: list[str] = []  # the innermost call last
         self._entered = 0
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._look_on, name="watchdog", daemon=True)
 
-    def watching(self, what: str) -> _Watch:
-        """Watch a call of that name, in place of one around it, at a cost of 0.2 us."""
-        return self._watches.get(what) or self._watches.setdefault(what, _Watch(self, what))
+    @contextmanager
+    def watching(self, what: str) -> Iterator[None]:
+        """Watch a call of that name, in place of one around it."""
+        self._under_way.append(what)
+        self._entered += 1
+        try:
+            yield
+        finally:
+            self._under_way.pop()
 
     def _look_on(self) -> None:
         last, looks = 0, 0
@@ -220,36 +208,24 @@ def _within(limit_s: float, do: Callable[[], object]) -> None:
 
 
 class GarbageControl:
-    """Collect garbage only between pictures; where it is not on, Python decides.
+    """Collect garbage only between pictures.
 
     What exists on entry is frozen, so that no collection scans it, unless the program has frozen
     its objects itself.
     """
 
-    def __init__(self, on: bool = True) -> None:
-        self._on = on
-        self._was_enabled = self._freezes = False
-
-    def __enter__(self) -> GarbageControl:
+    def __enter__(self) -> None:
         self._was_enabled, self._freezes = gc.isenabled(), not gc.get_freeze_count()
-        if self._on:
-            gc.collect()
-            if self._freezes:
-                gc.freeze()
-            gc.disable()
-        return self
-
-    def between(self) -> None:
-        """Collect the youngest generation, to which a refresh adds some hundred objects."""
-        if self._on:
-            gc.collect(0)
+        gc.collect()
+        if self._freezes:
+            gc.freeze()
+        gc.disable()
 
     def __exit__(self, *_: object) -> None:
-        if self._on:
-            if self._freezes:
-                gc.unfreeze()
-            if self._was_enabled:
-                gc.enable()
+        if self._freezes:
+            gc.unfreeze()
+        if self._was_enabled:
+            gc.enable()
 
 
 def checked_source(options: LiveOptions, source: Source | None = None) -> Source:
@@ -645,7 +621,7 @@ class Driver:
         Errors: Closed, for window or session; Lost, when the display did not come back in time.
         """
         number = 0
-        with GarbageControl(self._host.options.collect and (handler.pictures or handler.ahead)) as garbage:
+        with GarbageControl():
             while self._ending.asked is None and not handler.over():
                 try:
                     tick = self._display.wait()
@@ -658,7 +634,7 @@ class Driver:
                             after(number)
                             if log is not None:
                                 self._display.show_status(log.status)
-                        garbage.between()
+                        gc.collect(0)  # the youngest generation, to which a refresh adds some hundred objects
                     if handler.handle(self._display.commands()) and log is not None:
                         log.changed(self._host)
                 except Lost as lost:

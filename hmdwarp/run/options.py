@@ -205,8 +205,6 @@ class LiveOptions(PipelineOptions):
     )
     reconnect_s: float = _of_display(60.0, "Seconds to wait for a runtime that went away.", valid=Number())
     hang_s: float = _of_display(5.0, "Seconds of silence after which a runtime is given up.", valid=Number(least=0.1))
-    # Whether to collect garbage between pictures instead of whenever Python decides.
-    collect: bool = _of_display(True, "Collect garbage only between frames.", name="gc_between", off="--gc-anywhere")
     # Where frames come from, if not from here.
     feed: FeedOptions = group(FeedOptions)
     command: str = ""

@@ -66,7 +66,6 @@ def led(gpu):
             warp="none",
             fill="none",
             size=SIZE,
-            collect=False,
             reconnect_s=0.05,
         )
         with OffscreenDisplay(gpu=gpu, keeps=True, **more) as display, LiveLog(options) as made:

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from hmdwarp.errors import MachineError
-from hmdwarp.run import Ending, LiveOptions, Watchdog
+from hmdwarp.run import Ending, LiveOptions
 from hmdwarp.run.live_run import GarbageControl
 
 from .offscreen import OffscreenDisplay, run_on
@@ -283,9 +283,3 @@ def test_many_calls_that_come_back_are_no_hang(tmp_path):
         print(threading.active_count())
         """
     assert ended(body, tmp_path) == (0, "1\n", "")
-
-
-def test_watching_a_call_makes_nothing_and_takes_no_lock():
-    dog = Watchdog(5, [])
-    assert dog.watching("xrWaitFrame") is dog.watching("xrWaitFrame")
-    assert dog.watching("xrWaitFrame") is not dog.watching("xrEndFrame")
