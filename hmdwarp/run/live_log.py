@@ -29,11 +29,22 @@ from ..pipeline.governor import AdaptiveCompensator
 from ..pipeline.loop import Refresh
 from ..report import FRAME_COLUMNS, OutputFolder, live_lines, render_live_report
 from ..scenes import InputEvent
-from . import frame_rows
 from .options import LiveOptions
 from .recorder import Lines
 from .run import Run
-from .run_summary import EYES, OWNED, summary_of
+from .run_summary import (
+    EYES,
+    OWNED,
+    STAGE_COLUMNS,
+    Answers,
+    Moment,
+    Row,
+    Timeline,
+    csv_text,
+    speeds_between,
+    stage_columns,
+    summary_of,
+)
 
 Array = NDArray[np.float64]
 _MOST_EYES = 2
@@ -81,8 +92,8 @@ MOST_ROWS = 1 << 15  # six minutes at 90 Hz are kept whole
 MOST_EVENTS = 1000  # switches, losses; a held key makes thirty a second
 _MOST_NOTICES = 50  # different ones
 _MORE = "others"
-OF_EYE = (*frame_rows.STAGE_COLUMNS, "hole_share")
-_STAGES = {name.removesuffix("_ms"): name for name in frame_rows.STAGE_COLUMNS[:-1]}
+OF_EYE = (*STAGE_COLUMNS, "hole_share")
+_STAGES = {name.removesuffix("_ms"): name for name in STAGE_COLUMNS[:-1]}
 _RESPONSE = tuple(ResponseTime().parts())
 # Of a refresh; those of each eye have its number behind.
 COLUMNS = (
@@ -206,7 +217,7 @@ class LiveLog:
             self._pictures = Pictures(self._out, options.images_every)
         # One row for each refresh, under COLUMNS.
         self._times = Thinned(COLUMNS)
-        self._timeline, self._answers = frame_rows.Timeline(), frame_rows.Answers()
+        self._timeline, self._answers = Timeline(), Answers()
         # What became of frames: of the link that is in use, and of those before.
         self._channel: Channel | None = None
         self._fates = Counter[str]()
@@ -232,7 +243,7 @@ class LiveLog:
         self._first_ns = 0
         self._submitted_ns: int | None = None
         # The entry still to be logged: its times are known at the next refresh.
-        self._pending: tuple[frame_rows.Moment, Refresh, float | None] | None = None
+        self._pending: tuple[Moment, Refresh, float | None] | None = None
         self._summary: dict[str, Any] = {}
         self._written = False
         self._finishing, self._finished = threading.Lock(), False
@@ -306,8 +317,8 @@ class LiveLog:
         if not self.count:
             self._first_ns = refresh.shown_ns
         self._answers.see(refresh.shown_ns, refresh.frame.shows_ns)
-        speeds = frame_rows.speeds_between(self._last, refresh)
-        moment = frame_rows.Moment.of(self.count, refresh, self._first_ns, speeds, submitted_ns)
+        speeds = speeds_between(self._last, refresh)
+        moment = Moment.of(self.count, refresh, self._first_ns, speeds, submitted_ns)
         period_ms = None if before_ns is None else (submitted_ns - before_ns) * 1e-6
         recent = (
             (status.age_ms, moment.figures["age_ms"]),
@@ -322,7 +333,7 @@ class LiveLog:
         self._last, self._pending = refresh, (moment, refresh, period_ms)
         run = self._host.run
         if run.channel is not self._channel:
-            self._timeline = frame_rows.Timeline()
+            self._timeline = Timeline()
             if self._channel is not None:
                 self._fates.update(self._channel.fates())
             self._channel = run.channel
@@ -344,7 +355,7 @@ class LiveLog:
         (moment, refresh, period_ms), self._pending = self._pending, None
         shares: tuple[float | None, ...] = self._holes.shares() or (None,) * moment.eyes
         eyes = [
-            {**frame_rows.stage_columns(stages), "hole_share": share}
+            {**stage_columns(stages), "hole_share": share}
             for stages, share in zip(refresh.stage_ms, shares, strict=True)
         ]
         render_ms = sum(ms for _, ms in refresh.frame.drawing.read()) if refresh.frame.drawing is not None else 0.0
@@ -362,11 +373,11 @@ class LiveLog:
         self._timeline.add(refresh)
         self._log(moment, eyes)
 
-    def _log(self, moment: frame_rows.Moment, eyes: Sequence[frame_rows.Row]) -> None:
+    def _log(self, moment: Moment, eyes: Sequence[Row]) -> None:
         """Write the lines of frames.csv. eyes: what differs between them."""
         if self._out is not None:
             same = {**moment.figures, **moment.poses()}
-            self._rows.add(frame_rows.csv_text([{**same, "eye": number, **eye} for number, eye in enumerate(eyes)]))
+            self._rows.add(csv_text([{**same, "eye": number, **eye} for number, eye in enumerate(eyes)]))
 
     def leave(self) -> None:
         """Read the times of the last refresh, before the GPU goes away. Failures are ignored."""

@@ -718,7 +718,7 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
         log.begin(display, host)
         try:
             hand = Hand(host, display.now_ns, took_by(recorder, log))
-            user = _UserRun(display, host, log, ending, hand, say)
+            user = _UserRun(host, log, ending, hand, say)
             Driver(display, host, ending, say).run(user, log, recorder, after)
         except Closed as closed:
             say(str(closed))
@@ -747,20 +747,15 @@ def took_by(recorder: Recorder | None, log: LiveLog) -> Callable[[InputEvent, bo
     return took
 
 
-JUDGED_NS = 1_000_000_000  # from the first picture: what a machine makes in a second, it makes in the next
-
-
 class _UserRun(FrameHandler):
     """A run whose user may change everything, up to the limits of the options."""
 
     pictures = True
 
-    def __init__(self, display: Display, host: PipelineHost, log: LiveLog, ending: Ending, hand: Hand, say: Say):
-        self._display, self._log, self._ending, self._host, self._hand = display, log, ending, host, hand
-        self._say, self._commands = say, CommandHandler(host, say, hand)
+    def __init__(self, host: PipelineHost, log: LiveLog, ending: Ending, hand: Hand, say: Say) -> None:
+        self._log, self._ending, self._host, self._hand = log, ending, host, hand
+        self._commands = CommandHandler(host, say, hand)
         self._began_ns, self._arrived_s = ending.now_ns(), time.monotonic()
-        # Pictures until it is judged whether the machine keeps pace.
-        self._count, self._first_ns, self._is_judged = 0, 0, False
         log.status.choices = choices()
         self._show_values()
 
@@ -798,18 +793,6 @@ class _UserRun(FrameHandler):
 
     def arrived(self, refresh: Refresh) -> None:
         self._arrived_s = time.monotonic()
-        now_ns = self._display.now_ns()
-        self._first_ns = self._first_ns or now_ns
-        took_ns = now_ns - self._first_ns
-        if took_ns >= JUDGED_NS and not self._is_judged:
-            self._is_judged, options = True, self._log.options
-            refreshes = round(took_ns * 1e-9 * (options.rate_hz or self._display.rate_hz))
-            if 2 * self._count < refreshes:
-                self._say(
-                    f"note: {self._count} of {refreshes} refreshes got a picture: this machine is too slow for these "
-                    f"options; a smaller --size helps{'' if options.warp == AUTO else ', or --warp auto'}"
-                )
-        self._count += 1
         self._hand.follow(refresh)
 
     def on_display_lost(self, why: str) -> None:

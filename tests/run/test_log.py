@@ -21,8 +21,8 @@ from hmdwarp.poses import quaternions
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
 from hmdwarp.run import HoleCounter, LiveLog, LiveOptions
 from hmdwarp.run import live_log as log
-from hmdwarp.run.frame_rows import angle_between
 from hmdwarp.run.live_log import Thinned
+from hmdwarp.run.run_summary import angle_between
 
 from .offscreen import PERIOD_NS, READ_NS, SUBMITTED_NS, OffscreenDisplay, closed_at, run_on
 
@@ -141,15 +141,6 @@ def read_png(path):
     from PIL import Image
 
     return np.asarray(Image.open(path))
-
-
-@pytest.mark.parametrize("every", [1, 5])
-def test_a_second_without_most_of_its_pictures_is_told_once(monkeypatch, tmp_path, every):
-    events = {number: None for number in range(160) if number % every}
-    _, display = go(monkeypatch, tmp_path / "out", {**events, **closed_at(250)})
-    told = [line for line in display.said if "got a picture" in line]
-    assert len(told) == (every > 1)
-    assert all("20 of 100 refreshes" in line and "--size" in line and "--warp auto" in line for line in told)
 
 
 def test_events_are_listed(monkeypatch, tmp_path):

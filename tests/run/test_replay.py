@@ -373,13 +373,3 @@ def test_more_than_a_day_at_more_than_1_hz_asks_for_seconds(tmp_path):
     for allowed in ({"seconds": 0.5}, {"seconds": None, "rate_hz": 1.0, "latency_ms": 1000.0}):
         with set_up_replay(small(trace=str(trace), **allowed)) as setup:
             assert setup.schedule.count >= 30
-
-
-def test_a_long_replay_says_what_it_costs_before_it_begins(tmp_path):
-    trace, sentences = long_trace(tmp_path / "long.csv", 600), []
-    for seconds in (1.0, 500.0):
-        with set_up_replay(small(trace=str(trace), seconds=seconds), say=sentences.append):
-            pass
-    short, long = (text for text in sentences if "refreshes" in text)
-    assert "60 refreshes" in short and "GPU to" not in short
-    assert "30000 refreshes" in long and "0.4 h on a GPU to 4.2 h without one; --seconds shows less" in long

@@ -28,9 +28,7 @@ from hmdwarp.run.measuring import (
     NearGaze,
     WholePictures,
     bands_of,
-    clips_before,
     from_late,
-    instants_of,
     is_measured,
     near_gaze,
 )
@@ -191,22 +189,6 @@ def test_what_stood_behind_something_nearer_was_not_seen():
     _, seen = from_late(WarpMap.between(here, SIZE_ORACLE, here, SIZE_ORACLE), wall, late, late_depth)
     inner = seen[1:-1, 1:-1]
     assert np.array_equal(~inner, late_depth[1:-1, 1:-1] == 2 * WALL)
-
-
-@given(st.integers(1, 500), st.integers(1, 40), st.integers(2, 60))
-def test_each_instant_ends_one_clip_of_neighbours_and_no_refresh_is_in_two(count, wanted, length):
-    instants = instants_of(count, wanted)
-    ends = clips_before(instants, length)
-    clips = {end: [number for number in ends if ends[number] == end] for end in instants}
-    for before, end in zip((-1, *instants), instants, strict=False):
-        # As long as asked for, unless the run begins or the instant before lies within.
-        assert clips[end] == list(range(end + 1))[-min(length, end - before) :]
-        assert len(clips[end]) >= min(2, count)  # one picture is no clip
-
-
-def test_clips_reach_back_from_their_instants():
-    assert clips_before([2, 9], 4) == {0: 2, 1: 2, 2: 2, 6: 9, 7: 9, 8: 9, 9: 9}
-    assert clips_before([2, 4], 4) == {0: 2, 1: 2, 2: 2, 3: 4, 4: 4}
 
 
 SIZE_NEAR_GAZE = (60, 48)

@@ -243,10 +243,10 @@ class BenchCase:
         """Return the set-up of that run, with frames for all of the batch."""
         return set_up_replay(self.run_of(batch), needs_of(c.plan for c in batch))
 
-    def batched(self, most_bytes: float, pictures: int = 0) -> list[list[Combination]]:
-        """Return the combinations that fit in so many bytes together, each with some pictures."""
+    def batched(self, most_bytes: float) -> list[list[Combination]]:
+        """Return the combinations that fit in so many bytes together."""
         rendered = guarded_size(guard_band(self.options), self.headset, self.case.size)
-        return batches(self.combinations, rendered, self.case.size, most_bytes, pictures)
+        return batches(self.combinations, rendered, self.case.size, most_bytes)
 
 
 def options_of_case(options: BenchOptions, case: Case, start_s: float) -> BenchOptions:
