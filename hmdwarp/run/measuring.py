@@ -614,7 +614,6 @@ class Comparison:
             shared = metrics.SharedSurface(left, right, near, other)
         rendered, truth = refresh.frame.eyes[eye], truths[eye]
         coverages: dict[str, list[NDArray[np.floating]]] = {}
-        handed_in: dict[str, list[tuple[PictureKey, metrics.QualityJob]]] = {}
         warps = [each.combination.warp for each in self.measured]
         seen = coverage(self._last[warps.index(ORACLE)][eye]) > 0 if ORACLE in warps else None
         for index, (results, measured) in enumerate(zip(self._last, self.measured, strict=True)):
@@ -631,18 +630,9 @@ class Comparison:
             form = (truth.inverse_depth, rendered.view, rendered.size)
             job = metrics.QualityJob(now, previous, coverages[warp][eye], *form, regions=True)
             measured.blocks[number] = metrics.block_means(job.now.shown)
-            # Fills with identical pictures share one measurement.
-            same = next((key for key, other in handed_in.get(warp, []) if _same_pictures(job, other)), None)
-            key = same or (self._case, warp, measured.combination.fill, number, eye)
+            key = (self._case, warp, measured.combination.fill, number, eye)
             measured.keys.append(key)
-            if same is None:
-                handed_in.setdefault(warp, []).append((key, job))
-                self._setup.hand_in(self._pool, key, job)
-
-
-def _same_pictures(one: metrics.QualityJob, other: metrics.QualityJob) -> bool:
-    pairs = ((one.now, other.now), (one.previous, other.previous))
-    return all(np.array_equal(a.shown, b.shown) for a, b in pairs if a and b)
+            self._setup.hand_in(self._pool, key, job)
 
 
 # Degrees from the gaze: the fovea and what is nearly as sharp (Strasburger, Rentschler and Jüttner
@@ -777,31 +767,22 @@ class Probe:
                 for name, canvas in (("warp", None), *result.filled):
                     alpha = coverage(result) if canvas is None else download(canvas.texture)[..., 3]
                     self._empty.setdefault(name, []).append(_hole_share(alpha))
-            others = [
-                self._read_comparison((number, eye, which), against, refresh, truth)
-                for which, against in enumerate(self._against, 1)
-            ]
+            others = []
+            for which, pair in enumerate(self._setup.options.compared, 1):
+                against, key = self._against[which - 1], (number, eye, which)
+                inputs = self._whole.inputs(self._setup.loop, refresh, against.plan)[eye]
+                compared = against.run(inputs)  # without effects
+                self.against_ms[which - 1][number, eye] = tuple(self._setup.target.gpu.timer.collect())
+                if (its_job := self._job(key, inputs.rendered, compared, truth)) is not None:
+                    levels = 255 * self._setup.hand_in(self.pool, key, its_job).flip_map
+                    others.append((method_name(*pair), its_job.now.shown, np.rint(levels).astype(np.uint8)))
             if job is not None:
                 if refresh.head.gaze is not None or self._setup.options.fovea is not None:
                     (shown,) = looking([result.view], refresh.head.gaze)
                     self.near_gaze.add(job.now, shown, rendered.view)
                 keep = self._keep_every is not None and number // self._every % self._keep_every == 0
-                job = attrs.evolve(job, beside=tuple(filter(None, others)))
+                job = attrs.evolve(job, beside=tuple(others))
                 self._setup.hand_in(self.pool, (number, eye, MAIN), job, keep=keep)
-
-    def _read_comparison(
-        self, key: tuple[int, int, int], against: Compensator, refresh: Refresh, truth: Truth
-    ) -> tuple[str, NDArray[np.uint8], NDArray[np.uint8]] | None:
-        """Measure the comparison warp, without effects; return its name, picture and FLIP map."""
-        number, eye, which = key
-        inputs = self._whole.inputs(self._setup.loop, refresh, against.plan)[eye]
-        other = against.run(inputs)
-        self.against_ms[which - 1][number, eye] = tuple(self._setup.target.gpu.timer.collect())
-        job = self._job(key, inputs.rendered, other, truth)
-        if job is None:
-            return None
-        levels = 255 * self._setup.hand_in(self.pool, key, job).flip_map
-        return method_name(*self._setup.options.compared[which - 1]), job.now.shown, np.rint(levels).astype(np.uint8)
 
     def filled_shares(self) -> dict[str, float]:
         """Return the share of pixels that each fill of the chain filled, and the rest ("empty")."""
