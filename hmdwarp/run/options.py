@@ -10,7 +10,6 @@ from typing import Any, ClassVar
 
 import attrs
 
-from .. import poses
 from ..errors import InputError
 from ..link.codec import VIDEOS, Coding
 from ..options import (
@@ -368,12 +367,9 @@ class ServeOptions(ListenOptions):
         return super().values_of(with_frames(said, {option.name: option.default for option in options_of(cls)}))
 
     def __attrs_post_init__(self) -> None:
-        if self.out is not None and not self.web:
-            raise InputError(f"--out {self.out}: browsers' sessions come by --web; name its address, or leave it out")
-        if self.codec != AUTO and not self.web:
-            raise InputError(f"--codec {self.codec}: it is for --web; other clients say theirs; leave it out")
-        if self.certificate is not None and not self.web:
-            raise InputError(f"--certificate {self.certificate}: it is for --web; name its address, or leave it out")
+        for name, usual in (("out", None), ("codec", AUTO), ("certificate", None)):
+            if getattr(self, name) != usual and not self.web:
+                raise InputError(f"--{name} {getattr(self, name)}: it is for --web; name its address, or leave it out")
         if self.frames is None:
             refuse_without_frames(self.sequence_options, self.repair)
 
@@ -397,13 +393,6 @@ def recordings_field() -> Any:
 def with_recordings(said: Mapping[str, Any]) -> dict[str, Any]:
     """Return the set options, with the recordings of both ways together."""
     return {**said, "traces": [*(said.get("traces") or ()), *(said.get("trace") or ())] or None}
-
-
-def refuse_traces_of_one_name(traces: Mapping[str, poses.LoadedTrace]) -> None:
-    """Raise InputError if two traces have one name. traces: by option."""
-    refuse_one_name(
-        "recordings", {recording: trace.track.name or trace.path.stem for recording, trace in traces.items()}
-    )
 
 
 def refuse_one_name(kind: str, called: Mapping[str, str]) -> None:

@@ -39,7 +39,7 @@ from ..report import (
     summary_html,
 )
 from ..resources import __version__, made_with
-from ..scenes import INPUT_COLUMNS, InputEvent
+from ..scenes import InputEvent
 from .requirements import Verdict
 from .run import ReplayRun, Run
 
@@ -191,8 +191,6 @@ class ReplayLog:
         self.timeline = Timeline()
         # One for each refresh.
         self.moments: list[Moment] = []
-        # Of a scene that reacts, once all pictures were shown.
-        self.answers: Answers | None = None
 
     def add(self, refresh: Refresh) -> None:
         speeds = speeds_at(self._track, refresh.shown_ns)
@@ -222,41 +220,35 @@ class ReplayLog:
             yield {**row, **self.moments[row["frame"]].poses()}
 
 
-ANSWER_COLUMNS = (*INPUT_COLUMNS, "response_ms")
-
-
 @attrs.define(eq=False)
 class Answers:
-    """Inputs, each with the instant when a picture first showed what came of it."""
+    """How long after each input a picture first showed what came of it."""
 
     # When the first picture was drawn: older inputs do not count.
     since_ns: int = 0
     _last_ns: int = 0
-    # Instant 0 on the clock of a file of inputs.
-    epoch_ns: int = 0
-    _early: list[InputEvent] = attrs.field(factory=list)
-    _waiting: deque[InputEvent] = attrs.field(factory=deque)  # oldest first
-    _answered: list[tuple[InputEvent, int]] = attrs.field(factory=list)
+    _waiting: deque[int] = attrs.field(factory=deque)  # instants of inputs, the oldest first
+    _took_ms: list[float] = attrs.field(factory=list)
 
     def add(self, event: InputEvent) -> None:
         """Add an input, later than those before."""
-        (self._waiting if event.time_ns >= self.since_ns else self._early).append(event)
+        if event.time_ns >= self.since_ns:
+            self._waiting.append(event.time_ns)
 
     def see(self, shown_ns: int, shows_ns: int) -> None:
         """Take note of a picture: it shows what came of all inputs until an instant."""
         self._last_ns = shown_ns
-        while self._waiting and self._waiting[0].time_ns <= shows_ns:
-            self._answered.append((self._waiting.popleft(), shown_ns))
+        while self._waiting and self._waiting[0] <= shows_ns:
+            self._took_ms.append((shown_ns - self._waiting.popleft()) * 1e-6)
 
     def entry(self) -> dict[str, Any]:
         """Return the `input` of summary.json: of inputs until the last picture."""
-        found = [(shown_ns - event.time_ns) * 1e-6 for event, shown_ns in self._answered]
-        waiting = sum(event.time_ns <= self._last_ns for event in self._waiting)
-        count = len(found) + waiting
-        if not found:
+        took_ms = self._took_ms
+        count = len(took_ms) + sum(at_ns <= self._last_ns for at_ns in self._waiting)
+        if not took_ms:
             return {"count": count, "answered": 0}
-        times = {"mean": float(np.mean(found)), "p95": float(np.percentile(found, 95)), "most": max(found)}
-        return {"count": count, "answered": len(found), "response_time_ms": times}
+        times = {"mean": float(np.mean(took_ms)), "p95": float(np.percentile(took_ms, 95)), "most": max(took_ms)}
+        return {"count": count, "answered": len(took_ms), "response_time_ms": times}
 
     def note(self) -> str:
         entry = self.entry()
@@ -267,15 +259,6 @@ class Answers:
             f"Response time, from an input to the first picture drawn after it: {times['mean']:.0f} ms on average, "
             f"{times['p95']:.0f} at the 95th percentile ({entry['answered']} of {entry['count']} inputs)."
         )
-
-    def rows(self) -> Iterator[dict[str, Any]]:
-        """Yield the rows of inputs.csv, which --input takes."""
-        rows: list[tuple[InputEvent, float | None]] = [(event, None) for event in self._early]
-        rows += [(event, (shown_ns - event.time_ns) * 1e-6) for event, shown_ns in self._answered]
-        rows += [(event, None) for event in self._waiting]
-        for event, ms in rows:
-            values = (event.time_ns + self.epoch_ns, event.action, event.target, *event.origin_m, *event.direction, ms)
-            yield dict(zip(ANSWER_COLUMNS, values, strict=True))
 
 
 # Files that a run may write; a later run into the same folder removes those it does not write
@@ -396,13 +379,13 @@ def result_of(
     options, rows = setup.options, log.rows
     if setup.source.scene.inputs:
         first_ns = setup.schedule.first_ns - setup.schedule.age_ns
-        log.answers = Answers(first_ns, epoch_ns=setup.trace.track.epoch_ns)
+        answers = Answers(first_ns)
         for event in setup.source.scene.inputs:
-            log.answers.add(event)
+            answers.add(event)
         for moment in log.moments:
-            log.answers.see(moment.figures["shown_ns"], moment.shows_ns)
-        setup.notes.append(log.answers.note())
-        more = {**more, "input": log.answers.entry()}
+            answers.see(moment.figures["shown_ns"], moment.shows_ns)
+        setup.notes.append(answers.note())
+        more = {**more, "input": answers.entry()}
     summary = summary_of_rows(setup, (options.warp, options.fill, options.lens), rows)
     summary["link"] = {
         **setup.channel.summary(setup.schedule.rate_hz),
@@ -456,8 +439,6 @@ def write_results(
         names = EYES if result.summary.get("eyes", 2) == 2 else ("camera",)
         strips = [encoders.submit(write_strip, kept) for kept in pool.kept]
         out.write_csv("frames.csv", log.frames_csv(), FRAME_COLUMNS)
-        if log.answers is not None:
-            out.write_csv("inputs.csv", log.answers.rows(), ANSWER_COLUMNS)
         time_s = {row["frame"]: row["time_s"] for row in result.rows}
         verdict = None
         if judge is not None:

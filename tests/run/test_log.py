@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image
 from replays import contents, rows_of
 
 from hmdwarp.display import Command, Lost, Tick
@@ -115,9 +116,8 @@ def test_the_summary_is_a_replay_s_and_more(monkeypatch, tmp_path, seen):
     # A hundred pictures a second came.
     assert link["mbit_s"] == pytest.approx(link["frame_bytes"] * 8 * 100 / 1e6)
     live = summary["live"]
-    assert {"display": "offscreen", "trace": "look-around"}.items() <= live["about"].items() and live[
-        "budget_ms"
-    ] == 10.0
+    assert {"display": "offscreen", "trace": "look-around"}.items() <= live["about"].items()
+    assert live["budget_ms"] == 10.0
     assert live["pose_age_ms"] == {"median": 2.0, "p95": 2.0} and live["period_ms"]["median"] == 10.0
     both = [float(a["total_ms"]) + float(b["total_ms"]) for a, b in zip(rows[::2], rows[1::2], strict=True)]
     assert live["refresh_ms"]["total"]["median"] > np.median(both) > live["refresh_ms"]["warp"]["median"] > 0
@@ -130,17 +130,12 @@ def test_pictures_are_those_that_were_handed_over(monkeypatch, tmp_path):
     kept = range(0, len(shown), 4)
     assert names == [f"frame-{number:06d}-{eye}.png" for number in kept for eye in ("left", "right")]
     for number in kept:
-        halves = [read_png(tmp_path / "out" / "images" / f"frame-{number:06d}-{eye}.png") for eye in ("left", "right")]
+        files = [tmp_path / "out" / "images" / f"frame-{number:06d}-{eye}.png" for eye in ("left", "right")]
+        halves = [np.asarray(Image.open(file)) for file in files]
         window = flip_rows(shown[number]).astype(int)
         # A shader's powers and NumPy's table: each rounds to the nearest of 255 levels, seldom to
         # different ones.
         assert np.abs(np.concatenate(halves, axis=1).astype(int) - window).max() <= 1
-
-
-def read_png(path):
-    from PIL import Image
-
-    return np.asarray(Image.open(path))
 
 
 def test_events_are_listed(monkeypatch, tmp_path):
@@ -165,12 +160,8 @@ def test_events_are_listed(monkeypatch, tmp_path):
     ages = {float(row["age_ms"]) for row in rows_of(tmp_path / "out")}
     assert result.summary["latency_ms"] == 30.0 and max(ages) == pytest.approx(50.0)
     told = "\n".join(result.describe())
-    assert (
-        "; 3 missed (" in told
-        and "at most 2 in a row)" in told
-        and "Settings were changed 2 times" in told
-        and "the runtime is gone" in told
-    )
+    for text in ("; 3 missed (", "at most 2 in a row)", "Settings were changed 2 times", "the runtime is gone"):
+        assert text in told
     assert display.statuses[-1].missed == 3
 
 
@@ -196,13 +187,8 @@ def test_without_a_folder_nothing_is_written_and_all_is_told(monkeypatch, tmp_pa
     result, display = go(monkeypatch, None)
     validate_summary(result.summary)
     assert result.folder is None and not list(tmp_path.iterdir())
-    told = result.describe()
-    assert (
-        told[0].startswith("shown")
-        and "a second" in told[0]
-        and "of 10.00 ms" in "".join(told)
-        and "report" not in "".join(told)
-    )
+    told = "".join(result.describe())
+    assert told.startswith("shown") and "of 10.00 ms" in told and "report" not in told
     status = display.statuses[-1]
     assert len(status.age_ms) == len(status.pose_age_ms) == result.summary["frames"]
     assert len(status.total_ms) == len(status.holes) == len(status.period_ms) + 1 == result.summary["frames"]
@@ -272,12 +258,8 @@ def test_the_page_is_there_and_escapes_what_it_is_told(monkeypatch, tmp_path):
     options = LiveOptions(**SMALL, out=tmp_path / "out", command="hmdwarp live --out '<out>'")
     run_on(monkeypatch, display, options, page=True)
     page = (tmp_path / "out" / "report.html").read_text().replace("<wbr>", "")
-    assert (
-        "&lt;i&gt;X&lt;/i&gt; &amp; Y" in page
-        and "<i>X" not in page
-        and "<b>lost" not in page
-        and "&lt;out&gt;" in page
-    )
+    assert "&lt;i&gt;X&lt;/i&gt; &amp; Y" in page and "&lt;out&gt;" in page
+    assert "<i>X" not in page and "<b>lost" not in page
     assert page.count("<svg") == 6 and "<h2>Time per refresh</h2>" in page and "Pose age at frame submission" in page
     # And nothing hidden.
     assert sorted(contents(tmp_path / "out")) == ["frames.csv", "report.html", "summary.json"]
@@ -364,12 +346,12 @@ def picture(gpu, seed: int, size: tuple[int, int], share: float) -> tuple[Canvas
 
 
 @pytest.mark.parametrize("size", [(1, 1), (63, 7), (64, 8), (65, 9), (131, 97)])
-@pytest.mark.parametrize("share", [0, 0.01, 0.5, 1])
-def test_every_hole_is_counted_once(gpu, counter, size, share):
-    canvas, wanted = picture(gpu, 1, size, share)
-    counter.count([canvas])
-    counter.count([canvas])
-    assert counter.shares() == (wanted,)
+def test_every_hole_is_counted_once(gpu, counter, size):
+    for share in (0, 0.01, 0.5, 1):
+        canvas, wanted = picture(gpu, 1, size, share)
+        counter.count([canvas])
+        counter.count([canvas])
+        assert counter.shares() == (wanted,)
 
 
 def test_it_tells_the_refresh_before_of_each_eye(gpu, counter):
