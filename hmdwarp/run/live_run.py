@@ -795,6 +795,9 @@ class _UserRun(FrameHandler):
         self._arrived_s = time.monotonic()
         self._hand.follow(refresh)
 
+    def on_display_lost(self, why: str) -> None:
+        return
+
 
 def open_display(
     options: LiveOptions,

@@ -18,7 +18,6 @@ from ..options import (
     PICTURE,
     Declared,
     Number,
-    Option,
     force_field,
     group,
     names_in,
@@ -374,11 +373,8 @@ class ServeOptions(ListenOptions):
             refuse_without_frames(self.sequence_options, self.repair)
 
 
-_TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")
-
-
 def recordings_field() -> Any:
-    """Return the field; its class passes the set options through with_recordings()."""
+    """Return the field of the traces of an experiment."""
     return several(
         attrs.fields(RunOptions).trace,
         ("look-around", "walk"),
@@ -386,13 +382,7 @@ def recordings_field() -> Any:
         metavar="TRACE",
         positional=True,
         parse=None,
-        beside=(_TRACE,),
     )
-
-
-def with_recordings(said: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the set options, with the recordings of both ways together."""
-    return {**said, "traces": [*(said.get("traces") or ()), *(said.get("trace") or ())] or None}
 
 
 def refuse_one_name(kind: str, called: Mapping[str, str]) -> None:
