@@ -31,7 +31,6 @@ from ..report import FRAME_COLUMNS, OutputFolder, live_lines, render_live_report
 from ..scenes import InputEvent
 from .options import LiveOptions
 from .recorder import Lines
-from .run import Run
 from .run_summary import (
     EYES,
     OWNED,

@@ -11,7 +11,7 @@ import threading
 import time
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, nullcontext, suppress
 from pathlib import Path
 from types import FrameType
 from typing import Any, Protocol
@@ -621,7 +621,7 @@ class Driver:
         Errors: Closed, for window or session; Lost, when the display did not come back in time.
         """
         number = 0
-        with GarbageControl():
+        with GarbageControl() if handler.pictures or handler.ahead else nullcontext():
             while self._ending.asked is None and not handler.over():
                 try:
                     tick = self._display.wait()
