@@ -7,6 +7,7 @@ import math
 import re
 import time
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 import attrs
@@ -75,19 +76,14 @@ ODD = [None, True, 0, -1, 10**400, 1e308, "", "x", [], [[1]], {}, {"a": []}]
 
 @pytest.mark.parametrize("value", ODD, ids=repr)
 def test_a_benchmark_with_any_value_damaged_is_refused_in_a_line_or_read(tmp_path, value):
-    good = a_row("none", "none", 1.0, 0.3, rate_hz=60.0, predict="none")
-    damaged = [{**good, key: value} for key in good]
-    damaged += [
-        {**good, table: {**good[table], name: value}} for table in ("time_ms", "quality") for name in good[table]
-    ]
-    damaged += [
-        {**good, table: {**good[table], name: {**good[table][name], figure: value}}}
-        for table in ("time_ms", "quality")
-        for name in good[table]
-        for figure in good[table][name]
-    ]
-    path = tmp_path / "b.json"
-    for row in damaged:
+    def damaged(table: dict, depth: int) -> Iterator[dict]:
+        for key, inner in table.items():
+            yield {**table, key: value}
+            if isinstance(inner, dict) and depth:
+                yield from ({**table, key: each} for each in damaged(inner, depth - 1))
+
+    good, path = a_row("none", "none", 1.0, 0.3, rate_hz=60.0, predict="none"), tmp_path / "b.json"
+    for row in damaged(good, 2):
         a_bench(path, [row, good])
         for lens in ("none", "radial"):
             try:
@@ -221,12 +217,16 @@ def test_each_switch_of_a_live_run_is_logged_once(gpu, tmp_path, monkeypatch):
 
 def test_it_would_try_all_that_the_run_can_have(monkeypatch):
     usual = small(warp="auto", budget_ms=AMPLE_MS)
+
+    def tried(options: RunOptions) -> set[tuple[str, str]]:
+        return {(c.warp, c.fill) for c in candidates(options, source_of(options))}
+
     beyond_a_picture = {"backward", "environment", "layered"}
-    assert not {parse_warp(c.warp).entry.name for c in candidates(usual, source_of(usual))} & beyond_a_picture
+    assert not {parse_warp(warp).entry.name for warp, _ in tried(usual)} & beyond_a_picture
     options = attrs.evolve(usual, client="class-3")
     suits = [spec for spec in every_warp() if parse_warp(spec).entry.name in suited(usual.scene)]
     every = set(itertools.product(suits, FILLS))
-    assert {(c.warp, c.fill) for c in candidates(options, source_of(options))} == every
+    assert tried(options) == every
 
     def picky(one, *inputs, **more):
         if one.warp == "rotation":
@@ -234,9 +234,7 @@ def test_it_would_try_all_that_the_run_can_have(monkeypatch):
         return build_plan_for(one, *inputs, **more)
 
     monkeypatch.setattr("hmdwarp.run.choosing.build_plan_for", picky)
-    assert {(c.warp, c.fill) for c in candidates(options, source_of(options))} == {
-        pair for pair in every if pair[0] != "rotation"
-    }
+    assert tried(options) == {pair for pair in every if pair[0] != "rotation"}
 
 
 @pytest.fixture
