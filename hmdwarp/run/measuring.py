@@ -614,6 +614,7 @@ class Comparison:
             shared = metrics.SharedSurface(left, right, near, other)
         rendered, truth = refresh.frame.eyes[eye], truths[eye]
         coverages: dict[str, list[NDArray[np.floating]]] = {}
+        handed_in: dict[str, list[tuple[PictureKey, metrics.QualityJob]]] = {}
         warps = [each.combination.warp for each in self.measured]
         seen = coverage(self._last[warps.index(ORACLE)][eye]) > 0 if ORACLE in warps else None
         for index, (results, measured) in enumerate(zip(self._last, self.measured, strict=True)):
@@ -630,9 +631,18 @@ class Comparison:
             form = (truth.inverse_depth, rendered.view, rendered.size)
             job = metrics.QualityJob(now, previous, coverages[warp][eye], *form, regions=True)
             measured.blocks[number] = metrics.block_means(job.now.shown)
-            key = (self._case, warp, measured.combination.fill, number, eye)
+            # Fills with identical pictures share one measurement.
+            same = next((key for key, other in handed_in.get(warp, []) if _same_pictures(job, other)), None)
+            key = same or (self._case, warp, measured.combination.fill, number, eye)
             measured.keys.append(key)
-            self._setup.hand_in(self._pool, key, job)
+            if same is None:
+                handed_in.setdefault(warp, []).append((key, job))
+                self._setup.hand_in(self._pool, key, job)
+
+
+def _same_pictures(one: metrics.QualityJob, other: metrics.QualityJob) -> bool:
+    pairs = ((one.now, other.now), (one.previous, other.previous))
+    return all(np.array_equal(a.shown, b.shown) for a, b in pairs if a and b)
 
 
 # Degrees from the gaze: the fovea and what is nearly as sharp (Strasburger, Rentschler and Jüttner

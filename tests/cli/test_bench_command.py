@@ -39,7 +39,7 @@ def test_lists_by_repetition_and_by_commas(command, tmp_path):
         for warp in ("rotation", "forward", "none")
     }
     assert found == wanted
-    assert data["command"].startswith("hmdwarp bench look-around --scene planes")
+    assert data["command"].startswith("hmdwarp bench look-around walk --scene planes")
     assert "Within 10000 ms per eye the most accurate is" in " ".join(done.out.split())
     assert "Timed by " in done.out and done.out.rstrip().endswith("bench.html")
 
