@@ -13,9 +13,8 @@ from .. import client, geometry, headsets, poses
 from ..client.classes import PICTURE_CLIENT, load_client
 from ..client.strategies import options_of_strategy, with_strategy
 from ..errors import InputError, in_brief
-from ..link import CHANGES, RESOLUTION, Bandwidth, LinkOptions, StageTimes
+from ..link import CHANGES, SUM, Bandwidth, LinkOptions
 from ..link.codec import Coding
-from ..link.options import DROP
 from ..options import (
     AUTO,
     DEFAULT_GUARD,
@@ -205,12 +204,10 @@ class ProxyOptions(Declared):
     def link(self, network: LinkOptions) -> LinkOptions:
         """Return the link from the server to the proxy.
 
-        The server's rate, and the time that it takes to render, belong to it; the proxy sends a
-        picture at each refresh, and takes the time that it needs. All else is the client's link's.
+        The server's rate belongs to it; the proxy sends a picture at each refresh. All else is the
+        client's link's.
         """
-        stages = network.response
-        response = None if stages is None else StageTimes(render=stages.render)
-        return LinkOptions(server_rate_hz=network.server_rate_hz, response=response)
+        return LinkOptions(server_rate_hz=network.server_rate_hz, response=network.response)
 
     def longest_ms(self, network: LinkOptions) -> float:
         """Return how long frames are under way to the proxy at most, 0 without a proxy."""
@@ -494,8 +491,8 @@ class PipelineOptions(Declared):
                 "--connect with --frames: frames come from the server or the folder; leave one of them out",
             )
             yield (
-                self.network.response is not None or self.network.overload != DROP,
-                "--connect with --response or --overload: the server's times are the real ones; leave them out",
+                self.network.response == SUM,
+                "--connect with --response: the server's times are the real ones; leave it out",
             )
             yield self.proxy.on or is_auto, "--connect with --proxy or --warp auto: not supported, leave them out"
         if self.source_kind is RECORDING:
@@ -536,10 +533,6 @@ class PipelineOptions(Declared):
                 self.network.send == CHANGES,
                 f"--proxy with --send {CHANGES}: the proxy's picture changes with every frame that it gets; leave one "
                 "of the two out",
-            )
-            yield (
-                self.network.overload == RESOLUTION,
-                f"--proxy with --overload {RESOLUTION}: the proxy makes pictures of one size; leave one out",
             )
         yield (
             is_auto and self.budget_ms is None,
@@ -608,11 +601,7 @@ class PipelineOptions(Declared):
     @property
     def client_link(self) -> LinkOptions:
         """The link to the client: the network, less what belongs to the one before a proxy."""
-        if not self.proxy.on:
-            return self.network
-        stages = self.network.response
-        response = None if stages is None else attrs.evolve(stages, render=None)
-        return attrs.evolve(self.network, server_rate_hz=None, response=response)
+        return attrs.evolve(self.network, server_rate_hz=None) if self.proxy.on else self.network
 
     @property
     def total_latency_ms(self) -> float:
@@ -649,7 +638,7 @@ class PipelineOptions(Declared):
                 f"Frames are coarser away from the gaze that is {self.gaze} when they are drawn: {self.fovea}; it is "
                 "straight ahead where the head's motion has no gaze."
             )
-        if self.network.response is not None:
+        if self.network.response == SUM:
             found.append(
                 f"{told} the network's alone: rendering, encoding, queue, size over bandwidth and decoding come on top "
                 "(response sum)."

@@ -268,6 +268,6 @@ def check_names(options: PipelineOptions) -> None:
     predictors.get(options.predict)
     check_codec(options.coding.codec)
     check_codec(options.proxy.codec)
-    options.client_link.check(round(options.latency_ms * 1e6))
+    options.client_link.delay.check(round(options.latency_ms * 1e6))
     if options.mirrors not in MIRRORS:
         raise unknown_name("kind of mirrors", options.mirrors, list(MIRRORS))

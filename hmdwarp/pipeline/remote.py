@@ -17,17 +17,16 @@ import attrs
 import numpy as np
 
 from ..errors import InputError, MachineError
-from ..frames import Needs
+from ..frames import Frame, Needs
 from ..frames.layers import PICTURE, layers
 from ..geometry import Guard, View, guarded_eyes
 from ..link.codec import Undecodable
 from ..poses import PoseSample
 from ..scenes import InputEvent
 from ..sources.feed import bounds
-from ..sources.feed.caller import Arrival, Caller
+from ..sources.feed.caller import Caller
 from ..sources.feed.message import ANY, MOST_FATES, MOST_INPUTS, Ask, Fate, FrameMessage, Session, Wish, length_of
 from ..sources.feed.options import FeedOptions, public_key, secret_in
-from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
 from .feed_coding import (
     FeedDecoder,
@@ -54,41 +53,33 @@ _MOST_PENDING = 4096
 NO_PICTURE = (1, 1)  # asked for where nothing reads the eyes' pictures: a frame always has some
 
 
-@attrs.frozen(eq=False)
-class Pending:
-    """A request that has no answer yet."""
+@attrs.define(eq=False)
+class Request:
+    """A request for a frame, and the frame once it has come."""
 
-    number: int
+    ask: Ask
     head: PoseSample
     # On the loop's clock, and on this machine's.
     drawn_ns: int
     sent_ns: int
-    # Of one eye's picture, and of the whole one where that is foveated.
+    # (w, h) of one eye's picture as it comes: smaller than asked for where it is foveated.
     size: tuple[int, int]
-    drawn: tuple[int, int]
-    views: tuple[View, ...]
-    wanted: Wanted | None
-    # Whether it was to be foveated.
-    looks: bool
     # Which inputs it told the server.
-    acted: range = range(0)
-
-
-@attrs.frozen(eq=False)
-class Answer:
-    """A request and its frame, and how long after the request the loop had it."""
-
-    pending: Pending
-    arrival: Arrival
-    took_ns: int
+    acted: range
+    # As it came, and how long after the request the loop had it.
+    message: FrameMessage | None = None
+    took_ns: int = 0
     # Bytes that crossed the feed, by layer.
-    layer_bytes: Counter[str]
+    layer_bytes: Counter[str] = attrs.field(factory=Counter)
+    # What was made of it.
+    frame: Frame | None = None
 
     @property
     def is_key(self) -> bool:
-        """Whether it can be decoded without those before it."""
-        frame = self.arrival.frame
-        return frame.begins or not (codes_video(frame.colour) or codes_video(frame.depth, of_depth=True))
+        """Whether its frame can be decoded without those before it."""
+        came = self.message
+        assert came is not None
+        return came.begins or not (codes_video(came.colour) or codes_video(came.depth, of_depth=True))
 
 
 class Remote:
@@ -104,9 +95,9 @@ class Remote:
         self, feed: FeedOptions, *, holds: bool, keeps: bool = False, say: Callable[[str], None] = lambda text: None
     ) -> None:
         self._caller = Caller(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
-        self._holds, self._keeps, self._say = holds, keeps, say
+        self.keeps, self._holds, self._say = keeps, holds, say
         self._number = 0
-        self._pending: dict[int, Pending] = {}
+        self._pending: dict[int, Request] = {}
         self._heard_ns = time.monotonic_ns()
         # When frames stopped coming; None while they come.
         self._lost_ns: int | None = None
@@ -185,11 +176,11 @@ class Remote:
             until = bisect_right(self._acted, times[2], key=lambda event: event.time_ns)
             acted = min(until, acted + MOST_INPUTS)
         inputs = tuple(self._acted[self._known_inputs : acted])
-        ask = Ask(*times, grown, head.pose, wide, wish=reading(self.wish, read), anew=anew, wanted=wanted)
-        sent_ns = self._caller.ask(attrs.evolve(ask, session=session, fovea=fovea, inputs=inputs))
+        more: dict[str, Any] = {"wanted": wanted, "session": session, "fovea": fovea, "inputs": inputs}
+        ask = Ask(*times, grown, head.pose, wide, wish=reading(self.wish, read), anew=anew, **more)
         small = grown if fovea is None else fovea.grid(wide[0], grown).small
-        made = head, now_ns, sent_ns, small, grown, wide, wanted, fovea is not None
-        self._pending[self._number] = Pending(self._number, *made, range(self._known_inputs, acted))
+        told = range(self._known_inputs, acted)
+        self._pending[self._number] = Request(ask, head, now_ns, self._caller.ask(ask), small, told)
         while len(self._pending) > _MOST_PENDING:
             self._unanswer(self._pending.pop(next(iter(self._pending))))
 
@@ -204,25 +195,25 @@ class Remote:
         if len(self._acted) > bounds.KEPT_INPUTS.most:
             raise InputError(f"{len(self._acted)} inputs: a server keeps {bounds.KEPT_INPUTS.most:g} of a session")
 
-    def tell(self, pending: Pending, *, arrived: bool, heard_ns: int) -> None:
+    def tell(self, of: Request, *, arrived: bool, heard_ns: int) -> None:
         """Tell the server of a frame's fate, from that instant on, where layers build on it."""
-        if any(layers.get(name).builds_on_frames for name, _ in (pending.wanted.layers if pending.wanted else ())):
-            self._fates[pending.number] = Fate(pending.number, arrived, heard_ns), None
+        if any(layers.get(name).builds_on_frames for name, _ in (of.ask.wanted.layers if of.ask.wanted else ())):
+            self._fates[of.ask.number] = Fate(of.ask.number, arrived, heard_ns), None
 
-    def _unanswer(self, pending: Pending) -> None:
+    def _unanswer(self, request: Request) -> None:
         """Note that a request will not be answered by a frame that can be shown."""
         self.unanswered += 1
-        self.tell(pending, arrived=False, heard_ns=pending.drawn_ns)
+        self.tell(request, arrived=False, heard_ns=request.drawn_ns)
 
-    def _answered(self, number: int) -> Pending:
+    def _answered(self, number: int) -> Request:
         """Take a request that was answered: what it told is known there."""
         for fate, told_in in list(self._fates.values()):
             if told_in is not None and told_in <= number:
                 del self._fates[fate.number]
-        pending = self._pending.pop(number)
-        if pending.acted.start <= self._known_inputs:  # not where the server has forgotten those before, too
-            self._known_inputs = max(self._known_inputs, pending.acted.stop)
-        return pending
+        request = self._pending.pop(number)
+        if request.acted.start <= self._known_inputs:  # not where the server has forgotten those before, too
+            self._known_inputs = max(self._known_inputs, request.acted.stop)
+        return request
 
     def measure(
         self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs
@@ -260,11 +251,11 @@ class Remote:
                     if "refused" in line:
                         raise InputError(f"--connect {line}")
                     self._say(line)
-                for answer in self._known():
-                    if self.decoded(answer) is not None:
+                for request in self._known():
+                    if self.decoded(request) is not None:
                         if fovea_of(needs)[0] is not None and not self._takes_fovea:
                             raise InputError(f"{place} --fovea: that server sends whole frames alone; leave it out")
-                        return answer.took_ns
+                        return request.took_ns
                 if self._misfit:
                     raise InputError(f"{place}: {self._misfit}: use --effects none, or another warp or fill")
         raise MachineError(
@@ -283,7 +274,7 @@ class Remote:
                 clock_ns = due_ns
         self._paced = now_ns, clock_ns
 
-    def arrived(self, now_ns: int) -> list[Answer]:
+    def arrived(self, now_ns: int) -> list[Request]:
         """Return what has arrived since the last call, oldest first.
 
         Where the loop holds, what has not arrived when this returns arrives later than `now_ns`.
@@ -311,8 +302,8 @@ class Remote:
             self._losses += 1
         return found
 
-    def _known(self) -> list[Answer]:
-        """Return the arrivals that answer a request, not decoded yet.
+    def _known(self) -> list[Request]:
+        """Return the requests that are answered by now, their frames not decoded yet.
 
         Frames come in order, so requests before one that is answered never will be.
         """
@@ -328,11 +319,11 @@ class Remote:
                 continue
             for older in [sent for sent in self._pending if sent < frame.number]:
                 self._unanswer(self._pending.pop(older))
-            pending = self._answered(frame.number)
-            if frame.size != pending.size or len(frame.views) != len(pending.views):
+            request = self._answered(frame.number)
+            if frame.size != request.size or len(frame.views) != len(request.ask.views):
                 self.refused += 1
                 self._leave_out("another size or number of eyes than requested", "")
-                self.tell(pending, arrived=False, heard_ns=pending.drawn_ns)
+                self.tell(request, arrived=False, heard_ns=request.drawn_ns)
                 continue
             self._heard_ns, self._format = arrival.heard_ns, frame.colour
             if self._acted and self.takes_inputs and not frame.takes_inputs:  # another server in its place
@@ -341,38 +332,35 @@ class Remote:
             self._takes_fovea, self.takes_inputs = frame.takes_fovea, frame.takes_inputs
             if frame.began != self._began:  # it knows nothing of what it was sent before
                 self._began, self._known_inputs = frame.began, 0
-            if pending.acted.start > self._known_inputs:  # a scene without what people did before
-                self._unanswer(pending)
+            if request.acted.start > self._known_inputs:  # a scene without what people did before
+                self._unanswer(request)
                 continue
-            took_ns = arrival.heard_ns - pending.sent_ns
+            request.message, request.took_ns = frame, arrival.heard_ns - request.sent_ns
             if self._told_ns is not None:
                 # It came in just before a refresh that was shown without it: handed over after.
-                took_ns = max(took_ns, self._told_ns + 1 - pending.drawn_ns)
+                request.took_ns = max(request.took_ns, self._told_ns + 1 - request.drawn_ns)
             pictures = {"colour": frame.colours, "inverse_depth": frame.inverse_depths}
             sizes = Counter({name: sum(map(length_of, both)) for name, both in pictures.items()})
             for of_eye in frame.layers:
                 sizes.update({name: sum(map(part_bytes, parts)) for name, parts in of_eye.items()})
-            found.append(Answer(pending, arrival, took_ns, +sizes))
-            if found[-1].is_key:  # until it turns out that it is damaged
+            request.layer_bytes = +sizes
+            found.append(request)
+            if request.is_key:  # until it turns out that it is damaged
                 self._decoder.wants_anew = False
         return found
 
-    def keep(self, drawn_ns: int, delay_ns: int) -> None:
-        """Note the delay of a frame."""
-        if self._keeps:
-            self.delays_ns.append((drawn_ns, delay_ns))
-
-    def decoded(self, answer: Answer) -> FrameMessage | None:
-        """Return the frame of an answer, decoded; None for one that is none, which is counted."""
-        frame, pending = answer.arrival.frame, answer.pending
+    def decoded(self, request: Request) -> FrameMessage | None:
+        """Return a frame that came, decoded; None for one that is none, which is counted."""
+        frame, ask = request.message, request.ask
+        assert frame is not None
         try:
-            grids = grids_of(frame, pending.drawn) if pending.looks else ()
-            decoded = self._decoder.decode(wanted_alone(frame, pending.wanted, pending.drawn))
+            grids = grids_of(frame, ask.size) if ask.fovea else ()
+            decoded = self._decoder.decode(wanted_alone(frame, ask.wanted, ask.size))
         except Undecodable as error:
             self.undecodable += 1
             self._leave_out("they cannot be decoded", f" ({error})")
             return None
-        wrong = misfit(decoded, pending.wanted, pending.drawn)
+        wrong = misfit(decoded, ask.wanted, ask.size)
         if not wrong and (lacks := self.pictures & left_out(decoded, 0)):
             wrong = f"the server sends no {' and no '.join(sorted(name.removeprefix('rendered.') for name in lacks))}"
         if wrong:
@@ -382,7 +370,7 @@ class Remote:
             return None
         self._raw = raw_form(frame, self._raw)
         were_apart = bool(self._apart)
-        for pair in zip(pending.views, decoded.views, strict=True):
+        for pair in zip(ask.views, decoded.views, strict=True):
             self._apart.take(*pair)
         if self._apart and not were_apart:
             self._say(

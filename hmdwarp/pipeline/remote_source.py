@@ -27,7 +27,7 @@ from ..sources.server import Renderer, Target
 from .channel import Channel, ChannelSetup
 from .feed_coding import arrays_of, codes_video, depth_error, left_out, made, wish_of
 from .options import REMOTE, SERVER_SCENE, PipelineOptions
-from .remote import Answer, Pending, Remote, ViewsApart
+from .remote import Remote, Request, ViewsApart
 from .source import FrameSource, MomentOf, Options, PoseRequest, Source, nothing
 from .source import Target as Shown
 
@@ -56,7 +56,7 @@ class RemoteSource(Source):
         self.feed, self._draws_truth = feed, draws_truth
         self._added_ns = round(feed.added_latency_ms * 1e6)
         try:
-            options.network.check(self._added_ns)
+            options.network.delay.check(self._added_ns)
         except InputError as error:
             raise InputError(f"--added-latency {feed.added_latency_ms:g} ms: {error}") from error
 
@@ -191,36 +191,36 @@ class RemoteFrames(FrameSource):
         views = looking(self.eyes.views(head.pose), head.gaze)
         self.remote.ask(head, views, asked.guard, asked.size, now_ns, asked.needs)
 
-    def made(self, pending: Pending, found: FrameMessage) -> Frame:
+    def made(self, request: Request, found: FrameMessage) -> Frame:
         """Return the frame that arrived, decoded."""
-        eyes, asked, server = [], self.requested, self.server
-        for eye, (view, wanted) in enumerate(zip(found.views, pending.views, strict=True)):
+        eyes, ask, asked, server = [], request.ask, self.requested, self.server
+        for eye, (view, wanted) in enumerate(zip(found.views, ask.views, strict=True)):
             # As large as in the request where no picture was sent.
             size = found.size if asked.pictures else guarded_eyes([view], asked.guard, asked.size)[1]
-            target, sent = server.acquire(pending.drawn if pending.looks else size), left_out(found, eye)
+            target, sent = server.acquire(ask.size if ask.fovea else size), left_out(found, eye)
             missing = sent | frozenset(PICTURE).difference(asked.pictures)
-            whole = frozenset(PICTURE) if pending.looks else missing
+            whole = frozenset(PICTURE) if ask.fovea else missing
             server.take_in(arrays_of(found, eye, target.size, whole), target)
             hidden = wanted.hidden if view.fov == wanted.fov else view.hidden
             image = EyeImage(
                 attrs.evolve(view, hidden=hidden, gaze=wanted.gaze),
                 target.colour,
                 target.inverse_depth,
-                drawn_ns=pending.drawn_ns,
+                drawn_ns=request.drawn_ns,
                 depth_error=depth_error(found, self.remote.wish),
                 left_out=missing,
             )
-            if pending.looks:  # foveated pictures came in place of whole ones
+            if ask.fovea:  # foveated pictures came in place of whole ones
                 colour, depth = (server.acquire(found.size, kind, depth=False).colour for kind in (COLOUR, SCALAR))
                 server.take_in(arrays_of(found, eye, found.size, sent), Target(colour, depth))
                 pictures = [FoveatedPicture(texture, found.grids[eye]) for texture in (colour, depth)]
                 image = image.having(foveated=pictures[0], foveated_depth=pictures[1])
             eyes.append(image)
         if found.layers:  # a server may choose the size of some
-            eyes = made(server, eyes, found.layers, pending.wanted)
+            eyes = made(server, eyes, found.layers, ask.wanted)
             server.trim()
         took_ms = {"render": found.render_ns / 1e6}
-        return Frame(tuple(eyes), pending.drawn_ns, pending.head, None, found.began, took_ms, found.time_ns)
+        return Frame(tuple(eyes), request.drawn_ns, request.head, None, found.began, took_ms, found.time_ns)
 
     def recycle(self, frame: Frame | None) -> None:
         """Return the frame's textures to the pools; None for one that was never made."""
@@ -230,14 +230,6 @@ class RemoteFrames(FrameSource):
     def channel(self, setup: ChannelSetup) -> Channel:
         """Return the channel of what arrives by the feed."""
         return RemoteChannel(setup, self)
-
-
-@attrs.define(eq=False)
-class _Sent:
-    """A frame of the feed on the link: made once it has arrived there."""
-
-    answer: Answer
-    frame: Frame | None = None
 
 
 class RemoteChannel(Channel):
@@ -254,12 +246,12 @@ class RemoteChannel(Channel):
             attrs.evolve(setup, coder=None),  # the server codes them
             frames.recycle,
             receive=self._receive,
-            decoding=lambda sent: 0,
+            decoding=lambda request: 0,
             settled=self._settled,
             in_order=codes_video(frames.remote.wish.colour),
         )
-        self._measured_ns = self._sent_ns = 0
-        self._shown: _Sent | None = None
+        self._shown: Request | None = None
+        self._sent_ns = self._measured_ns = 0
         self._unanswered = self._remote.unanswered
         self._remote.forget()
         self._remote.needs_key = self.link.needs_key
@@ -267,19 +259,21 @@ class RemoteChannel(Channel):
 
     def _delays(self, added: Iterator[int]) -> Iterator[int]:
         for added_ns in added:
-            self._remote.keep(self._sent_ns, self._measured_ns + added_ns)
-            yield self._measured_ns + added_ns
+            delay_ns = self._measured_ns + added_ns
+            if self._remote.keeps:
+                self._remote.delays_ns.append((self._sent_ns, delay_ns))
+            yield delay_ns
 
-    def _receive(self, sent: _Sent) -> bool:
-        decoded = self._remote.decoded(sent.answer)
+    def _receive(self, request: Request) -> bool:
+        decoded = self._remote.decoded(request)
         if decoded is not None:
-            sent.frame = self._frames_of.made(sent.answer.pending, decoded)
+            request.frame = self._frames_of.made(request, decoded)
         return decoded is not None
 
-    def _settled(self, sent: _Sent, arrived: bool, heard_ns: int) -> None:
-        if arrived and sent.frame is not None:
-            self._tell(sent.frame, arrived, heard_ns)
-        self._remote.tell(sent.answer.pending, arrived=arrived, heard_ns=heard_ns)
+    def _settled(self, request: Request, arrived: bool, heard_ns: int) -> None:
+        if arrived and request.frame is not None:
+            self._tell(request.frame, arrived, heard_ns)
+        self._remote.tell(request, arrived=arrived, heard_ns=heard_ns)
 
     def due(self, now_ns: int) -> list[int]:
         """Return the instants at which a frame is requested, up to now."""
@@ -288,11 +282,11 @@ class RemoteChannel(Channel):
 
     def newest(self, now_ns: int) -> Frame | None:
         """Return the newest frame that has arrived by now, or None before the first."""
-        for answer in self._remote.arrived(now_ns):
-            self._frames, self._eyes = self._frames + 1, len(answer.pending.views)
-            self._bytes.update(answer.layer_bytes)
-            self._measured_ns, self._sent_ns = answer.took_ns, answer.pending.drawn_ns
-            self.link.send(_Sent(answer), self._sent_ns, answer.layer_bytes.total(), answer.is_key)
+        for request in self._remote.arrived(now_ns):
+            self._frames, self._eyes = self._frames + 1, len(request.ask.views)
+            self._bytes.update(request.layer_bytes)
+            self._measured_ns, self._sent_ns = request.took_ns, request.drawn_ns
+            self.link.send(request, request.drawn_ns, request.layer_bytes.total(), request.is_key)
         self._shown = self.link.newest(now_ns)
         return self._shown.frame if self._shown is not None else None
 
@@ -300,10 +294,9 @@ class RemoteChannel(Channel):
     def transit(self) -> TransitStats | None:
         """Transit statistics of the shown frame; the server's work is told from its delay."""
         found = self.link.transit
-        if found is None or self._shown is None:
+        if found is None or self._shown is None or self._shown.message is None:
             return None
-        answer = self._shown.answer
-        render_ns = min(answer.arrival.frame.render_ns, answer.took_ns)
+        render_ns = min(self._shown.message.render_ns, self._shown.took_ns)
         return attrs.evolve(found, render_ns=render_ns, delay_ns=found.delay_ns - render_ns)
 
     def fates(self) -> dict[str, int]:

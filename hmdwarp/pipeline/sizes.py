@@ -114,7 +114,7 @@ def expected_age_ns(options: PipelineOptions, plain_ns: int, rate_hz: float) -> 
     """
     link = options.client_link
     stays_ns = max(0.0, 1e9 / link.sends_hz(rate_hz) - 1e9 / rate_hz)
-    newest_ns = plain_ns if link.is_plain else link.typical_ns(latency_ns(options))
+    newest_ns = plain_ns if link.is_plain else link.delay.typical_ns(latency_ns(options))
     return newest_ns + round(stays_ns / 2)
 
 

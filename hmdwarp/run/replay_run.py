@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu.textures import download
-from ..link.options import ALL, DROP
+from ..link.options import ALL
 from ..metrics import TRUTH_JOD, Clips, Kept, MeasuringProcesses, QualityPool, pooled, worker_count
 from ..options import AUTO
 from ..pipeline.options import SERVER_SCENE
@@ -178,7 +178,7 @@ def measured(
 def _run(setup: ReplayRun, probe: Probe, out: OutputFolder | None, progress: Progress) -> ReplayLog:
     log, count, options, drawn_by = ReplayLog(setup.track), 0, setup.options, setup.loop.source
     # No picture is drawn that arrives after the last refresh, in a frame that holds nothing else.
-    is_plain = options.client_link.is_plain and options.network.send == ALL and options.network.overload == DROP
+    is_plain = options.client_link.is_plain and options.network.send == ALL
     is_server = isinstance(getattr(drawn_by, "server", None), Server)
     is_plain = is_plain and is_server and options.coding.codec == "none"
     if is_plain and isinstance(drawn_by, ServerFrames) and not drawn_by.requested.needs:

@@ -172,7 +172,7 @@ def result_of(
     summary = summary_of_rows(setup, (options.warp, options.fill, options.lens), rows)
     summary["link"] = {
         **setup.channel.summary(setup.schedule.rate_hz),
-        "response": "fixed" if options.network.response is None else "sum",
+        "response": options.network.response,
         "response_ms": response_figures(log.responses),
         "timeline": log.timeline.as_list(),
     }

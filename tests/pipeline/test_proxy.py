@@ -196,7 +196,6 @@ def test_its_memory_is_bounded(loss):
         ({"proxy": True, "warp": "environment", "fill": "none"}, "finished picture alone"),
         ({"proxy": True, "warp": "auto", "budget": 5.0}, "--proxy with --warp auto"),
         ({"proxy": True, "warp": "none", "send": "changes"}, "--proxy with --send changes"),
-        ({"proxy": True, "warp": "none", "overload": "resolution"}, "--proxy with --overload resolution"),
         ({"proxy_latency": 100.0}, "--proxy-latency 100.0: there is no proxy"),
         ({"proxy_fill": "none"}, "--proxy-fill none: there is no proxy"),
         ({"proxy": True, "warp": "none", "proxy_warp": "iterativ"}, "did you mean 'iterative'"),
