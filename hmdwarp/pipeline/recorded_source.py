@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Mapping
 from collections.abc import Sequence as Several
 from functools import cached_property, lru_cache
 from typing import Any, Self
@@ -37,7 +36,6 @@ _PIXEL_BYTES = 3 + 4
 _AS_RECORDED = RepairChain()
 _NOTHING = 1e-5  # what rounding leaves of two equal poses, in ms, degrees and metres
 _ANOTHER = 1.0  # pixel that the truth may be off without a note
-_SAME_PLACE_M = 1e-4  # of a right eye: at 0.5 m less than 0.02 degrees, below a pixel
 _SAME_FOV = 1e-6  # rad, far below a pixel
 LEAST_SHOWN = 16  # pixels on each side that a guard band must leave
 _WIDEST_RIM = 0.1  # of the picture's smaller side
@@ -57,8 +55,6 @@ class RecordedRenderer(Renderer):
     def __init__(self, gpu: Gpu, scene: Scene, sequence: Sequence, moment_of: MomentOf = Moment) -> None:
         super().__init__(gpu, scene)
         self._sequence, self._moment_of = sequence, moment_of
-        # Gives the truth of the right eye; None where that was not recorded.
-        self.right = RecordedRenderer(gpu, scene, sequence.right, moment_of) if sequence.right else None
         self._times = [frame.time_ns for frame in sequence.frames]
         fit = _KEPT_BYTES // (math.prod(sequence.frames[0].size) * _PIXEL_BYTES)
         self._pixels = lru_cache(min(max(fit, _LEAST_KEPT), _KEPT))(_pixels)
@@ -103,12 +99,6 @@ class RecordedRenderer(Renderer):
         image = self._image(taken, taken.fov, rendered, repair=self._sequence.repair)
         image = attrs.evolve(image, drawn_ns=taken_ns)
         return Frame((image,) * len(views), taken_ns, PoseSample(taken_ns, taken.pose, Origin.MEASURED))
-
-    def close(self) -> None:
-        """Free the pools, those of the right eye too."""
-        super().close()
-        if self.right is not None:
-            self.right.close()
 
     def truth_facts(
         self, shown: Several[tuple[int, Pose]], missing: int, pixels_per_degree: float, *, own_head: bool
@@ -208,13 +198,7 @@ class RecordingSource(Source):
 
     @cached_property
     def headset(self) -> CameraDisplay:
-        """The camera's display. Errors: as display_of; InputError for a right eye elsewhere."""
-        beside_m = self.sequence.right_m
-        if self._eye_distance_mm and beside_m and abs(self._eye_distance_mm * 1e-3 - beside_m) > _SAME_PLACE_M:
-            raise InputError(
-                f"--eye-distance {self._eye_distance_mm:g}: {self.sequence.path} has a right eye "
-                f"{beside_m * 1e3:.4g} mm beside; expected that, or 0 for one eye"
-            )
+        """The camera's display. Errors: as display_of."""
         return display_of(self.sequence, self._guard, self._eye_distance_mm * 1e-3)
 
     @property
@@ -337,31 +321,3 @@ def display_of(sequence: Sequence, guard: GuardBand | None = None, eye_distance_
 def _degrees(fov: Fov) -> tuple[float, float]:
     left, right, down, up = np.degrees(np.arctan(fov.tangents)).tolist()
     return right - left, up - down
-
-
-def second_eye(rows: Several[Mapping[str, Any]], found: Mapping[str, Mapping[int, float]]) -> dict[str, float]:
-    """Return the mean share of holes of the camera's eye and of the other one.
-
-    And their PSNR, where what the other eye saw was recorded. rows: as of frames.csv. found: of the
-    other eye, by column and refresh.
-    """
-    entry = {}
-    for name, values in ((name, values) for name, values in found.items() if values):
-        of_camera = [row[name] for row in rows if row["eye"] == 0 and row["frame"] in values]
-        entry[f"camera_{name}"] = math.fsum(of_camera) / len(of_camera)
-        entry[name] = math.fsum(values.values()) / len(values)
-    return entry
-
-
-def about_second_eye(found: Mapping[str, float]) -> str:
-    """Return how much more the other eye lacks."""
-    told = "Nothing was recorded where the right eye is: it has times and holes, and"
-    if "psnr_db" in found:
-        told = (
-            f"The right eye has {found['psnr_db']:.2f} dB and the left one {found['camera_psnr_db']:.2f} dB, from the "
-            "left eye's frames alone;"
-        )
-    return (
-        f"{told} all other figures are the camera's eye's. The warp leaves {found['hole_share']:.2%} of the right "
-        f"eye's pixels empty, {found['camera_hole_share']:.2%} of the left eye's."
-    )

@@ -19,7 +19,6 @@ from ..link.options import ALL
 from ..metrics import TRUTH_JOD, Clips, Kept, MeasuringProcesses, QualityPool, pooled, worker_count
 from ..options import AUTO
 from ..pipeline.options import SERVER_SCENE
-from ..pipeline.recorded_source import about_second_eye, second_eye
 from ..pipeline.sizes import refreshes_of
 from ..pipeline.source import ServerFrames
 from ..report import OutputFolder, VideoWriter
@@ -101,10 +100,6 @@ def replay(
                 jods = sorted(probe.clips.refreshes.items())
                 rows = [dict(zip(JOD_COLUMNS, (*at, jod), strict=True)) for at, jod in jods]
                 out.write_csv("jod.csv", rows, JOD_COLUMNS)
-            if probe.second_eye["hole_share"]:
-                beside = second_eye(log.rows, probe.second_eye)
-                more["second_eye"] = beside
-                setup.notes.append(about_second_eye(beside))
             result = result_of(setup, log, compared, more, probe.without_truth)
         verdict = write_results(out, log, result, compared, pool, options.command, judge)
         return attrs.evolve(result, verdict=verdict)
