@@ -88,23 +88,11 @@ REMOTE = SourceKind("remote", is_timed=True)
 # A machine near the client that warps for it, and sends the finished picture.
 PROXY = SourceKind("proxy", _PICTURE[:1])
 
-# Options that recorded frames set, with their values; and why they leave no choice in others.
+# Options that recorded frames set, with their values; those that are refused wherever they are set;
+# and why.
 _OF_FRAMES = {"guard": "1", "predict": "none", "lens": "none"}
-_WHY_NOT = {
-    "scene": "recorded frames take the place of a scene",
-    "headset": "the display is the camera, and --guard 1.5 shows the middle of what it saw",
-    "rendered_size": "a recording has as many pixels as were taken; --guard says how much of it is shown",
-    "wide": "a recording has no second view",
-    "predict": "each frame was taken where the camera was",
-    "lens": "the display is the camera, which has no lens to correct",
-    "proxy": "a proxy draws for heads of its own",
-    "scanout": "the truth of each row was not recorded",
-    "guard": "a factor says how much of the recording is shown, such as 1.5",
-    "samples": "its edges are as they were recorded",
-    "fovea": "they came as sharp everywhere",
-    "warp": "its benchmark draws a scene; name a warp",
-}
-_ONLY_SAID = ("scene", "headset", "rendered_size", "wide", "samples")
+_ONLY_SAID = ("scene", "headset", "rendered_size", "samples")
+_SET_BY_FRAMES = "recorded frames are one eye's, as its camera took them; leave it out"
 
 
 def with_frames(said: Mapping[str, Any], usual: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -121,7 +109,7 @@ def with_frames(said: Mapping[str, Any], usual: Mapping[str, Any]) -> Mapping[st
         return said
     for name in _ONLY_SAID:
         if said.get(name) not in (None, usual.get(name)):
-            raise InputError(f"--{name.replace('_', '-')} with --frames: {_WHY_NOT[name]}; leave it out")
+            raise InputError(f"--{name.replace('_', '-')} with --frames: {_SET_BY_FRAMES}")
     return {**said, **{name: value for name, value in _OF_FRAMES.items() if name in usual and said.get(name) is None}}
 
 
@@ -241,13 +229,6 @@ _IPD = Option(
     name="ipd",
     unit="mm",
     study=DISPLAY,
-)
-_WIDE = Option(
-    "A second, wide and coarse view with every frame: fill wide before the others.",
-    bool,
-    False,
-    name="wide",
-    heading=RENDERING,
 )
 
 
@@ -407,7 +388,6 @@ class PipelineOptions(Declared):
         # 1 shows pictures as drawn.
         attrs.Factory(lambda self: 1.0 if self.warp == "none" else DEFAULT_GUARD, takes_self=True),
         f" auto: as the trace needs. [default: {DEFAULT_GUARD:g}; 1 with warp none]",
-        beside=(_WIDE,),  # the other way to fill beyond the border
         heading=RENDERING,
     )
     rendered_size: tuple[int, int] | None = rendered_size_field(RENDERING)
@@ -497,16 +477,16 @@ class PipelineOptions(Declared):
             yield self.proxy.on or is_auto, "--connect with --proxy or --warp auto: not supported, leave them out"
         if self.source_kind is RECORDING:
             asked = {
-                "guard": (f"--guard {self.guard}", self.guard == AUTO),
-                "predict": (f"--predict {self.predict}", self.predict != "none"),
-                "lens": (f"--lens {self.lens}", self.lens not in ("none", AUTO)),
-                "proxy": ("--proxy", self.proxy.on),
-                "scanout": (f"--scanout {self.scanout_ms:g} ms", self.scanout_ms > 0),
-                "warp": (f"--warp {self.warp}", is_auto),
-                "fovea": (f"--fovea {self.fovea_deg or 0:g}", is_foveated),
+                "guard auto": self.guard == AUTO,
+                f"predict {self.predict}": self.predict != "none",
+                f"lens {self.lens}": self.lens not in ("none", AUTO),
+                "proxy": self.proxy.on,
+                f"scanout {self.scanout_ms:g} ms": self.scanout_ms > 0,
+                "warp auto": is_auto,
+                f"fovea {self.fovea_deg or 0:g}": is_foveated,
             }
-            for name, (text, is_set) in asked.items():
-                yield is_set, f"{text} with --frames: {_WHY_NOT[name]}; leave it out"
+            for text, is_set in asked.items():
+                yield is_set, f"--{text} with --frames: {_SET_BY_FRAMES}"
         for name in ("rim", "gaze"):
             found = getattr(self, name)
             is_said = found != getattr(attrs.fields(type(self)), name).default
@@ -569,14 +549,10 @@ class PipelineOptions(Declared):
                 values["network"] = attrs.evolve(values["network"], bandwidth=Bandwidth(device.download_mbit_s))
         check_one_guard(said)
         warp, fill = said.get("warp") or DEFAULT_WARP, said.get("fill")
-        if warp == AUTO and (fill is not None or said.get("wide")):
-            asked = "--wide" if fill is None else f"--fill {fill}"
-            raise InputError(f"{asked}: --warp auto chooses the fill too; leave one of the two out")
+        if warp == AUTO and fill is not None:
+            raise InputError(f"--fill {fill}: --warp auto chooses the fill too; leave one of the two out")
         # A warp fused with the lens has none.
-        fill = fill if fill is not None else "none" if said.get("fused") else _default_fill(warp)
-        if said.get("wide"):  # first
-            fill = "wide" if fill == "none" else f"wide+{fill}"
-        return {**values, "fill": fill}
+        return {**values, "fill": fill or ("none" if said.get("fused") else _default_fill(warp))}
 
     @property
     def fovea(self) -> geometry.Fovea | None:

@@ -39,7 +39,7 @@ def test_wide_goes_before_the_other_fills_and_closes_the_border(command, quick):
     usual = ("replay", "fast-turns", *quick, *SMALL, "--guard", "1", "--start", "3", "--fill", "none")
     command(*usual).done()
     without = summary(quick)
-    command(*usual, "--wide").done()
+    command(*usual[:-1], "wide").done()
     found = summary(quick)
     assert found["fill"] == "wide"
     # 150 x 140 degrees, with a quarter of the pixels of a tangent on each axis. Whole pixels are up
