@@ -103,8 +103,7 @@ def with_frames(said: Mapping[str, Any], usual: Mapping[str, Any]) -> Mapping[st
     if said.get("frames") is None:
         if said.get("eye_distance") is not None:
             raise InputError(
-                f"--eye-distance {said['eye_distance']:g} without --frames: a scene is drawn for both eyes of the "
-                "headset; leave it out"
+                f"--eye-distance {said['eye_distance']:g} without --frames: a headset has both; leave it out"
             )
         return said
     for name in _ONLY_SAID:
@@ -465,15 +464,10 @@ class PipelineOptions(Declared):
     def _conflicts(self) -> Iterator[tuple[bool, str]]:
         """Yield each thing that cannot be: whether it is so, and the message."""
         is_auto, is_foveated = self.warp == AUTO, self.fovea_deg is not None
+        changes = self.network.send == CHANGES
         if self.source_kind is REMOTE:
-            yield (
-                self.frames is not None,
-                "--connect with --frames: frames come from the server or the folder; leave one of them out",
-            )
-            yield (
-                self.network.response == SUM,
-                "--connect with --response: the server's times are the real ones; leave it out",
-            )
+            yield self.frames is not None, "--connect with --frames: frames come from one of them; leave the other out"
+            yield self.network.response == SUM, "--connect with --response: the server's times are real; leave it out"
             yield self.proxy.on or is_auto, "--connect with --proxy or --warp auto: not supported, leave them out"
         if self.source_kind is RECORDING:
             asked = {
@@ -490,14 +484,8 @@ class PipelineOptions(Declared):
         for name in ("rim", "gaze"):
             found = getattr(self, name)
             is_said = found != getattr(attrs.fields(type(self)), name).default
-            yield (
-                is_said and not is_foveated,
-                f"--{name} {found}: frames are as sharp everywhere; it is for --fovea",
-            )
-        yield (
-            is_foveated and self.network.send == CHANGES,
-            f"--fovea with --send {CHANGES}: the eyes move where nothing else does; leave one of the two out",
-        )
+            yield is_said and not is_foveated, f"--{name} {found}: frames are as sharp everywhere; it is for --fovea"
+        yield is_foveated and changes, "--fovea with --send changes: eyes move where nothing else does; leave one out"
         sets = options_of_strategy(self.strategy) if self.strategy else {}
         values = {"warp": self.warp, "fill": self.fill, "effects": self.effects, "proxy": self.proxy.on}
         values["indirect"] = self.indirect
@@ -507,32 +495,13 @@ class PipelineOptions(Declared):
                 f"strategy '{self.strategy}' with {name} '{values[name]}': it sets {name} to '{sets[name]}'; "
                 f"{type(self).__name__}.of({{'strategy': ..}}) does so",
             )
-        if self.proxy.on:
-            yield is_auto, f"--proxy with --warp {AUTO}: the proxy warps; name what the client does, none or rotation"
-            yield (
-                self.network.send == CHANGES,
-                f"--proxy with --send {CHANGES}: the proxy's picture changes with every frame that it gets; leave one "
-                "of the two out",
-            )
-        yield (
-            is_auto and self.budget_ms is None,
-            "--warp auto chooses what fits into a budget: say how many milliseconds there are for one eye (--budget "
-            "MS)",
-        )
-        yield (
-            is_auto and self.fused,
-            "--fused with --warp auto: its warps must have the picture between warp and lens, to be measured; leave "
-            "one out",
-        )
-        yield (
-            not is_auto and self.budget_ms is not None,
-            f"--budget {float(self.budget_ms or 0):g} ms: only --warp auto keeps to a budget; '{self.warp}' takes what "
-            "it takes",
-        )
-        yield (
-            not is_auto and self.bench is not None,
-            f"--bench {self.bench}: only --warp auto chooses from a benchmark; '{self.warp}' is chosen already",
-        )
+        yield self.proxy.on and is_auto, "--proxy with --warp auto: name what the client does, none or rotation"
+        yield self.proxy.on and changes, "--proxy with --send changes: its picture always changes; leave one out"
+        yield is_auto and self.budget_ms is None, "--warp auto chooses what fits into a budget: add --budget MS"
+        yield is_auto and self.fused, "--fused with --warp auto: its warps are measured before the lens; leave one out"
+        budget, name = self.budget_ms, f"'{self.warp}' is chosen already"
+        yield not is_auto and budget is not None, f"--budget {budget} ms: only --warp auto keeps to a budget; {name}"
+        yield not is_auto and self.bench is not None, f"--bench: only --warp auto chooses from a benchmark; {name}"
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:

@@ -34,7 +34,7 @@ from .channel import Channel, ChannelSetup, Coder
 from .loop import Loop, Refresh
 from .options import PROXY, RECORDING, REMOTE, PipelineOptions
 from .recorded_source import RecordingSource
-from .remote_source import RemoteSource
+from .remote import RemoteSource
 from .source import FrameSource, PoseRequest, ServerFrames, Source, Target, client_scene, joined
 
 # At most so many times are kept of each stage: three minutes of two eyes at 90 Hz.

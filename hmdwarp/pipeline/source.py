@@ -34,7 +34,6 @@ from ..scenes import InputEvent, InputLog, Scene
 from ..sources.server import Renderer, Server
 from .channel import Channel, ChannelSetup, Coder, Reads
 from .options import SCENE, PipelineOptions, SourceKind
-from .remote import Remote
 
 # Where recorded frames are at an instant.
 MomentOf = Callable[[int], Moment]
@@ -229,8 +228,8 @@ class Source:
     assumptions: tuple[Assumption, ...] = ()
     # The `recorded` of summary.json; None where nothing is recorded.
     entry: dict[str, Any] | None = None
-    # The session with a server elsewhere, once `measured` has connected.
-    remote: Remote | None = None
+    # The session with a server elsewhere, a remote.Remote, once `measured` has connected.
+    remote: Any = None
 
     def __init__(self, options: PipelineOptions, scene: Scene | None = None) -> None:
         self._options, self._scene = options, scene

@@ -31,7 +31,7 @@ from ..metrics import psnr
 from ..options import Choice, NoSettings
 from ..pipeline.channel import Reads
 from ..pipeline.loop import Loop, Refresh
-from ..pipeline.remote_source import NoTruth
+from ..pipeline.remote import NoTruth
 from ..pipeline.sizes import build_plan_for, plan_against
 from ..resources import install_line
 from ..sources.server import Renderer

@@ -20,8 +20,7 @@ from ..gpu.context import Gpu
 from ..link import LinkOptions
 from ..pipeline.feed_coding import wish_of
 from ..pipeline.proxy import KnownHead, Proxy
-from ..pipeline.remote import Remote
-from ..pipeline.remote_source import RemoteFrames
+from ..pipeline.remote import Remote, RemoteFrames
 from ..pipeline.source import PoseRequest, nothing
 from ..poses import Origin, PoseSample
 from ..scenes import InputEvent

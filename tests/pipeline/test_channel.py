@@ -7,7 +7,6 @@ import json
 import math
 from itertools import product
 
-import attrs
 import numpy as np
 import pytest
 from replays import contents, rows_of, run, small
@@ -89,45 +88,6 @@ def test_a_codec_costs_bytes_and_quality_and_both_are_told(tmp_path):
     assert coded["mbit_s"] < told["none"]["link"]["mbit_s"] / 5
     assert coded["encode_ms"] > 0 and coded["decode_ms"] > 0 and 25 < coded["coded_psnr_db"] < 60
     assert told["h264"]["quality"]["flip"]["mean"] > told["none"]["quality"]["flip"]["mean"]
-
-
-READ = {
-    "rotation": ({"warp": "rotation"}, {"colour"}),
-    "forward": ({"warp": "forward"}, {"colour", "inverse_depth"}),
-    "environment": ({"warp": "environment"}, {"cube"}),
-    "layered": ({"warp": "layered"}, {"colour", "inverse_depth", "peeled"}),
-    "wide": ({"warp": "rotation", "fill": "wide"}, {"colour", "wide"}),
-    "mirrors": ({"warp": "iterative", "scene": "gallery"}, {"colour", "inverse_depth", "reflection"}),
-    "glass": ({"warp": "iterative", "scene": "greenhouse"}, {"colour", "inverse_depth", "transparent"}),
-    "HUD": ({"warp": "iterative", "scene": "cockpit"}, {"colour", "inverse_depth", "overlay"}),
-    "bodies": ({"warp": "iterative", "scene": "workshop"}, {"colour", "inverse_depth", "ids"}),
-    "soft": ({"warp": "iterative", "scene": "parade"}, {"colour", "inverse_depth", "velocity"}),
-}
-
-
-@pytest.mark.parametrize("kind", READ)
-def test_every_layer_is_coded_and_shows_nearly_what_the_server_drew(gpu, kind):
-    """The same plan on the frame as it arrived and as it is drawn again. A layer whose coverage or
-    holes were off would show elsewhere."""
-    options, names = READ[kind]
-    with set_up_replay(small(coding=Coding("h264"), latency_ms=50.0, **options)) as setup:
-        for number, instant_ns in setup.schedule.numbered():
-            setup.loop.draw(instant_ns)
-            if number >= 0 and (refresh := setup.loop.show(instant_ns)) is not None:
-                break
-        shown = [download(eye.shown.texture) for eye in refresh.eyes]
-        views = [eye.view for eye in refresh.frame.eyes]
-        again = setup.server.draw_frame(views, refresh.frame.drawn_ns, setup.sizes.shown, needs=setup.plans[0].needs)
-        for inputs, eye, after in zip(refresh.inputs, again.eyes, shown, strict=True):
-            before = download(setup.loop.compensator.run(attrs.evolve(inputs, rendered=eye)).shown.texture)
-            assert ((before[..., 3] > 0) != (after[..., 3] > 0)).mean() < 0.01
-            wrong = picture_from_linear(before).astype(float) - picture_from_linear(after)
-            assert wrong.any(), "what has arrived was never coded"
-            assert -10 * np.log10(np.mean(wrong**2) / 255**2) > 27
-        told = setup.channel.summary(60.0)
-        assert told["layers_mbit_s"].keys() == names
-        assert sum(told["layers_mbit_s"].values()) == pytest.approx(told["mbit_s"])
-        assert told["mbit_s"] * 1e6 / 60 / 8 == pytest.approx(told["frame_bytes"])
 
 
 def test_after_lost_frames_no_layer_shows_anything_broken():

@@ -18,8 +18,7 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
 from hmdwarp.pipeline.feed_coding import arrays_of
-from hmdwarp.pipeline.remote import Remote
-from hmdwarp.pipeline.remote_source import RemoteFrames, RemoteRenderer
+from hmdwarp.pipeline.remote import Remote, RemoteFrames, RemoteRenderer
 from hmdwarp.run import replay
 from hmdwarp.run.frame_rows import ReplayLog
 from hmdwarp.scenes import load_scene
