@@ -84,10 +84,8 @@ Content = NDArray[Any]
 class _Stream:
     """One texture or array of every frame, coded in the order of drawing."""
 
-    # Given whether the packet must need none before it.
-    encode: Callable[[Content, bool], Packet]
-    # Errors: Undecodable.
-    decode: Callable[[Packet], Content]
+    encode: Callable[[Content, bool], Packet]  # given whether the packet must need none before it
+    decode: Callable[[Packet], Content]  # Errors: Undecodable
 
     @classmethod
     def of_each(cls, pack: Callable[[Content], bytes], unpack: Callable[[bytes], Content]) -> _Stream:
@@ -100,8 +98,7 @@ class CodedFrame:
     """A frame in transit."""
 
     frame: Frame
-    # Empty where nothing is encoded.
-    packets: Mapping[Key, Packet] = attrs.field(factory=dict)
+    packets: Mapping[Key, Packet] = attrs.field(factory=dict)  # empty where nothing is encoded
     # The packets that the client's plan reads; others are for plans that are compared with it.
     counted: frozenset[Key] = frozenset()
     # What decoded content is written over.
@@ -309,12 +306,9 @@ class ChannelSetup:
 
     network: LinkOptions
     latency_ns: int
-    # Refresh rate of the display.
-    rate_hz: float
-    # None for frames that arrive as drawn.
-    coder: Coder | None = None
-    # What the client reads of a frame; no other layer is coded or counted.
-    reads: Reads = Reads()
+    rate_hz: float  # refresh rate of the display
+    coder: Coder | None = None  # None for frames that arrive as drawn
+    reads: Reads = Reads()  # what the client reads of a frame; no other layer is coded or counted
     # Called with each frame that the client used and no longer needs.
     offer: Callable[[Frame], None] = lambda frame: None  # noqa: E731
     # Called with a frame, whether it arrived, and when the sender hears of it.

@@ -46,16 +46,14 @@ class Change:
     refresh: int
     before: QualityLevel
     after: QualityLevel
-    # The reason, in words with figures.
-    reason: str
+    reason: str  # the reason, in words with figures
 
 
 @attrs.define(eq=False)
 class _Stay:
     """Evidence since the last switch."""
 
-    # For how many refreshes each level has had headroom.
-    room: list[int]
+    room: list[int]  # for how many refreshes each level has had headroom
     # First refresh at the level.
     arrived: int = 0
     climbed: bool = False

@@ -50,20 +50,13 @@ class SourceKind:
     """What is known of a source of frames by its options, before anything is loaded."""
 
     name: str
-    # Layers that its frames can have; None for any.
-    layers: tuple[str, ...] | None = None
-    # Whether the client can have the scene's geometry.
-    has_geometry: bool = True
-    # Whether it comes with a head's motion and a display of its own.
-    has_head: bool = False
-    # Eyes that it has pictures of, and the truth.
-    eyes: int = 2
-    # Controls of a live run that it sets by itself.
-    sets: tuple[str, ...] = ()
-    # Appended to the reason why a plan cannot run on its frames.
-    limits: str = ""
-    # Whether its latency is only known once it is measured.
-    is_timed: bool = False
+    layers: tuple[str, ...] | None = None  # layers that its frames can have; None for any
+    has_geometry: bool = True  # whether the client can have the scene's geometry
+    has_head: bool = False  # whether it comes with a head's motion and a display of its own
+    eyes: int = 2  # eyes that it has pictures of, and the truth
+    sets: tuple[str, ...] = ()  # controls of a live run that it sets by itself
+    limits: str = ""  # appended to the reason why a plan cannot run on its frames
+    is_timed: bool = False  # whether its latency is only known once it is measured
 
     def refuse_change(self, name: str) -> None:
         """Raise InputError for a control that cannot change while it runs."""
@@ -238,8 +231,7 @@ class PipelineOptions(Declared):
     Errors: InputError for a value out of range.
     """
 
-    # Where recorded frames are shown.
-    usual_eye_distance_mm: ClassVar[float] = 0.0
+    usual_eye_distance_mm: ClassVar[float] = 0.0  # where recorded frames are shown
     # Whether pictures are compared with the truth, which a server elsewhere may draw.
     draws_truth: ClassVar[bool] = False
 
@@ -259,8 +251,7 @@ class PipelineOptions(Declared):
         study=DISPLAY,
     )
     sequence_options: SequenceOptions = group(SequenceOptions)
-    # Of late frames; the truth is what was recorded.
-    repair: str = repair_field()
+    repair: str = repair_field()  # of late frames; the truth is what was recorded
     # 0 for the camera's eye alone.
     eye_distance_mm: float = option(
         attrs.Factory(lambda self: self.usual_eye_distance_mm, takes_self=True),
@@ -431,8 +422,7 @@ class PipelineOptions(Declared):
     )
     # Delay variation, loss and queueing, on top of the latency.
     network: LinkOptions = group(LinkOptions)
-    # Encoding and decoding on the link.
-    coding: Coding = group(Coding)
+    coding: Coding = group(Coding)  # encoding and decoding on the link
     # What stands between the server and that link.
     proxy: ProxyOptions = group(ProxyOptions)
     predict: str = option(

@@ -64,15 +64,13 @@ class Request:
     sent_ns: int
     # (w, h) of one eye's picture as it comes: smaller than asked for where it is foveated.
     size: tuple[int, int]
-    # Which inputs it told the server.
-    acted: range
+    acted: range  # which inputs it told the server
     # As it came, and how long after the request the loop had it.
     message: FrameMessage | None = None
     took_ns: int = 0
     # Bytes that crossed the feed, by layer.
     layer_bytes: Counter[str] = attrs.field(factory=Counter)
-    # What was made of it.
-    frame: Frame | None = None
+    frame: Frame | None = None  # what was made of it
 
     @property
     def is_key(self) -> bool:
@@ -601,8 +599,7 @@ class RemoteFrames(FrameSource):
     server: Renderer
     requested: PoseRequest
     eyes: Eyes
-    # Emulated latency behind the real network's.
-    added_ns: int = 0
+    added_ns: int = 0  # emulated latency behind the real network's
 
     def draw(self, head: PoseSample, now_ns: int, scale: float) -> None:
         """Ask for a frame for that head."""

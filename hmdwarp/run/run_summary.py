@@ -12,7 +12,7 @@ import attrs
 
 from ..geometry import Pose
 from ..gpu.context import Gpu
-from ..link import response_figures
+from ..link import figures_of_parts
 from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference, metrics_in_order
 from ..pipeline.sizes import rendered_entry
 from ..poses.assumptions import Assumption, assumption_rows
@@ -173,7 +173,7 @@ def result_of(
     summary["link"] = {
         **setup.channel.summary(setup.schedule.rate_hz),
         "response": options.network.response,
-        "response_ms": response_figures(log.responses),
+        "response_ms": figures_of_parts([[*time.parts().values()] for time in log.responses]),
         "timeline": log.timeline.as_list(),
     }
     summary |= more

@@ -20,7 +20,7 @@ from hmdwarp.link import (
     ResponseTime,
     TransitStats,
     delay_models,
-    response_figures,
+    figures_of_parts,
 )
 from hmdwarp.link.delays import ConstantDelay, DelayTrace, NormalJitter, UniformJitter, read_delays
 
@@ -136,11 +136,11 @@ def test_a_response_time_is_the_sum_of_its_parts():
 
 def test_figures_are_means_of_the_parts_and_ends_of_the_sums():
     times = [ResponseTime(render_ms=1.0, warp_ms=float(number)) for number in range(101)]
-    found = response_figures(times)
+    found = figures_of_parts([[*time.parts().values()] for time in times])
     assert {name: found[f"{name}_ms"] for name in ("render", "warp", "total", "median", "p95")} == pytest.approx(
         {"render": 1.0, "warp": 50.0, "total": 51.0, "median": 51.0, "p95": 96.0}
     )
-    assert response_figures([]) is None
+    assert figures_of_parts([]) is None
 
 
 MANY = 20_000
