@@ -13,4 +13,3 @@ from .link import figures_of_parts as figures_of_parts
 from .options import CHANGES as CHANGES
 from .options import SUM as SUM
 from .options import LinkOptions as LinkOptions
-from .options import scaled_size as scaled_size

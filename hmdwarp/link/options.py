@@ -198,8 +198,3 @@ def _in_bursts(mean: float, frames: float) -> GilbertElliott:
             "arrives between two bursts; use longer bursts or a smaller share"
         )
     return GilbertElliott(mean / (frames * (1 - mean)), 1 / frames)
-
-
-def scaled_size(size: tuple[int, int], scale: float) -> tuple[int, int]:
-    """Return (w, h) at a scale, at least one pixel each."""
-    return max(1, math.floor(size[0] * scale + 0.5)), max(1, math.floor(size[1] * scale + 0.5))

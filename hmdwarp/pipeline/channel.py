@@ -377,9 +377,6 @@ class Channel:
         self._skipped += is_busy
         return is_busy
 
-    # Of the full width and height, that frames have.
-    scale = 1.0
-
     def has_to_send(self, now_ns: int) -> bool:
         """Return whether a frame is wanted even if nothing moved: one is missing."""
         return self.link.needs_key(now_ns)

@@ -122,11 +122,8 @@ class Proxy(FrameSource):
         """How many pictures exist, under way or free."""
         return len(self._free) + len(self._out)
 
-    def draw(self, head: PoseSample, now_ns: int, scale: float) -> Frame | None:
-        """Let the server draw what is due, and warp its newest frame that has arrived.
-
-        scale: 1, for the proxy makes pictures of one size.
-        """
+    def draw(self, head: PoseSample, now_ns: int) -> Frame | None:
+        """Let the server draw what is due, and warp its newest frame that has arrived."""
         self._record_last()
         self._known.head = head
         self._loop.draw(now_ns)

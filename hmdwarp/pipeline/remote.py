@@ -601,7 +601,7 @@ class RemoteFrames(FrameSource):
     eyes: Eyes
     added_ns: int = 0  # emulated latency behind the real network's
 
-    def draw(self, head: PoseSample, now_ns: int, scale: float) -> None:
+    def draw(self, head: PoseSample, now_ns: int) -> None:
         """Ask for a frame for that head."""
         asked = self.requested
         self.remote.age_ns = asked.age_ns

@@ -103,7 +103,7 @@ class _Warping(Renderer):
         while (now_ns := time.monotonic_ns()) < until_ns:
             shift_ns = ask.time_ns - now_ns
             client.remote.scene_ns = lambda own_ns, shift_ns=shift_ns: own_ns + shift_ns  # type: ignore[misc]
-            frame = client.proxy.draw(PoseSample(now_ns, head, Origin.HELD), now_ns, 1.0)
+            frame = client.proxy.draw(PoseSample(now_ns, head, Origin.HELD), now_ns)
             if client.refused:
                 if frame is not None:
                     client.proxy.recycle(frame)
