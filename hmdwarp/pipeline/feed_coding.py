@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -330,8 +330,6 @@ def made(server: Renderer, eyes: Sequence[EyeImage], parts: Sequence[Layers], wa
 # The layer of frames whose picture is light alone; its table may have how far that reaches.
 LIGHT = "light"
 CODECS = {message.H264: "h264", message.HEVC: "hevc", message.VP9: "vp9", message.AV1: "av1"}
-_RAW_COLOURS = {message.RGBA16F: "float16", message.RGBA8: "srgb8"}
-_RAW_DEPTHS = {message.INVERSE_DEPTH: "float32", message.DEPTH_CODES: "uint16"}
 # What `bounds.CODED` counts a pixel for, by format of colour and of depth; and the bytes that an
 # encoder keeps of one, FFV1's too.
 _WORK = (
@@ -389,17 +387,6 @@ def arrays_of(frame: FrameMessage, eye: int, size: tuple[int, int], missing: Col
     codes, step = (depth.codes, depth.step) if isinstance(depth, DepthCodes) else (depth, 1.0)
     encoding = SRGB8 if colour.dtype == np.uint8 else LINEAR
     return Arrays(colour, encoding, codes, step, is_inverse=True, is_apart=True)
-
-
-def raw_form(frame: FrameMessage, before: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what summary.json says of raw frames: types, and the largest error of depth in 1/m.
-
-    before: what it said after the frame before; {} for a coded frame, and the first.
-    """
-    if frame.is_coded:
-        return {}
-    error = max(before.get("depth_error", 0.0), depth_error(frame, Wish()))
-    return {"colour": _RAW_COLOURS[frame.colour], "depth": _RAW_DEPTHS[frame.depth], "depth_error": error}
 
 
 def depth_error(frame: FrameMessage, wish: Wish) -> float:

@@ -111,10 +111,8 @@ class RecordedRenderer(Renderer):
         rows = []
         for shown_ns, pose in shown:
             frame = self.nearest_to(shown_ns)
-            x, y, z, w = frame.pose.relative_to(pose).unit_quaternion
-            turn_deg = math.degrees(2 * math.atan2(math.sqrt(x * x + y * y + z * z), abs(w)))
             move_m = float(np.linalg.norm(frame.pose.position_m - pose.position_m))
-            rows.append((abs(frame.time_ns - shown_ns) * 1e-6, turn_deg, move_m))
+            rows.append((abs(frame.time_ns - shown_ns) * 1e-6, math.degrees(frame.pose.angle_to(pose)), move_m))
         offsets = {
             name: {"median": round(float(np.median(column)), 6), "most": round(max(column), 6)}
             for name, column in zip(("time_ms", "turn_deg", "move_m"), zip(*rows, strict=True), strict=True)
@@ -206,24 +204,19 @@ class RecordingSource(Source):
         """Its kind and name, for messages."""
         return f"recorded frames '{self.scene.name}'"
 
-    @property
+    @cached_property
     def notes(self) -> list[str]:
         """What takes the place of a renderer, what is assumed of it, what its frames suggest."""
-        return [self.about, *unstated(self.assumptions), *self._suggested]
-
-    @cached_property
-    def _suggested(self) -> list[str]:
         ends = self.sequence.frames[0], self.sequence.frames[-1]
-        rims, notes = [frame.rim() for frame in ends], sequences.depth_notes(self.sequence)
+        rims, found = [frame.rim() for frame in ends], [self.about, *unstated(self.assumptions)]
         # A rim is where it is in all frames; what is wider is more likely a background.
-        if not min(rims) or max(rims) - min(rims) > 1 or max(rims) > _WIDEST_RIM * min(ends[0].size):
-            return [*notes]
-        # The adjacent line is blended with it.
-        return [
-            f"The outermost pixels of {ends[0].name} and {ends[1].name} hold one colour, up to {max(rims)} on a side. "
-            f"If that is no picture, leave it out by --crop {max(rims) + 1}: it is warped and judged as if it were.",
-            *notes,
-        ]
+        if min(rims) and max(rims) - min(rims) <= 1 and max(rims) <= _WIDEST_RIM * min(ends[0].size):
+            found.append(  # the adjacent line is blended with it
+                f"The outermost pixels of {ends[0].name} and {ends[1].name} hold one colour, up to {max(rims)} on a "
+                f"side. If that is no picture, leave it out by --crop {max(rims) + 1}: it is warped and judged as if "
+                "it were."
+            )
+        return [*found, *sequences.depth_notes(self.sequence)]
 
     @property
     def about(self) -> str:

@@ -110,8 +110,6 @@ class Remote:
         self._apart = ViewsApart()
         # How frames are to be coded; raw until it is set.
         self.wish, self._format = Wish(), message.ANY
-        # Types of the numbers of the frames that came last, and the largest error of their depth.
-        self._raw: dict[str, Any] = {}
         # What is read of the eyes' pictures; the rest is not sent.
         self.pictures = frozenset(PICTURE)
         self._paced: tuple[int, int] | None = None
@@ -372,7 +370,6 @@ class Remote:
             self._misfit = wrong
             self._leave_out(wrong, "")
             return None
-        self._raw = feed_coding.raw_form(frame, self._raw)
         were_apart = bool(self._apart)
         for pair in zip(ask.views, decoded.views, strict=True):
             self._apart.take(*pair)
@@ -400,7 +397,6 @@ class Remote:
             "address": self._caller.address,
             "lost": self._losses,
             "away_s": (self._away_ns + (time.monotonic_ns() - self._lost_ns if self._lost_ns is not None else 0)) / 1e9,
-            "raw": self._raw,
             "clock": self._caller.clock.summary(),
             "unanswered": self.unanswered,
             "undecodable": self.undecodable,

@@ -54,14 +54,6 @@ def test_wide_goes_before_the_other_fills_and_closes_the_border(command, quick):
     assert found["quality"]["psnr_db"]["mean"] > without["quality"]["psnr_db"]["mean"] + 3
 
 
-def test_plan_says_that_a_guard_is_no_angle(command):
-    usual = ("plan", "--scene", "planes", "--headset", "flat-90")
-    assert "note:" not in command(*usual, "--guard", "2.5").done().out
-    told = " ".join(command(*usual, "--guard", "20").done().out.split())
-    assert "note: guard 20 draws 400 times the pixels: --guard is a factor" in told
-    assert "not degrees" in json.loads(command(*usual, "--guard", "20", "--json").done().out)["notes"][0]
-
-
 def test_plan_tells_how_many_pixels_and_which_field_of_view_result(command):
     usual = ("plan", "--scene", "planes", "--headset", "flat-90", "--size", "1280x800")
     for guard in (("--guard", "1.25x1.125"), ("--rendered-size", "1600x900")):
