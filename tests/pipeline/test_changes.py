@@ -19,7 +19,7 @@ from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu import download
 from hmdwarp.link import GilbertElliott, LinkOptions
 from hmdwarp.pipeline import Changes
-from hmdwarp.scenes import Body, Panel, Spinning, Still, load_scene
+from hmdwarp.scenes import Panel, Spinning, load_scene
 from hmdwarp.sources.server import Server
 
 SIZE = (96, 80)
@@ -93,19 +93,6 @@ def test_a_panel_whose_page_turns_is_a_change(gpu):
     scene, view = attrs.evolve(load_scene("planes"), panels=[panel]), View(Pose((0.0, 0.0, 0.5)), FOV)
     (same, again, other), _ = bounds(gpu, scene, view, *((view, ms * 10**6) for ms in (199, 401, 201)))
     assert same < NOTHING and again < NOTHING and other == math.inf
-
-
-def test_the_shadow_of_what_moves_counts_wherever_it_falls(gpu):
-    """A body that hardly moves near a lamp moves its shadow far, which no bound in pixels knows."""
-    scene = load_scene("lantern")
-    still = attrs.evolve(scene.lamps[0], motion=Still(Pose(scene.lamps[0].place(0)[:3])))
-    body = Body("slow", Spinning(Pose((0, 0, -50)), (0, 1, 0), 1e-6))
-    lit = next(mesh for mesh in scene.meshes if mesh.light_uv is not None)
-    moving = attrs.evolve(lit, body=1, positions=lit.positions * 1e-3)
-    rest = [attrs.evolve(mesh, body=0) for mesh in scene.meshes if mesh is not lit]
-    scene, view = attrs.evolve(scene, lamps=[still], bodies=[body], meshes=[*rest, moving]), View(scene.viewpoint, FOV)
-    (first, later), _ = bounds(gpu, scene, view, (view, 0), (view, 10**9), drawn=load_scene("planes"))
-    assert first < NOTHING and later == math.inf
 
 
 def test_light_counts_where_it_moves():
