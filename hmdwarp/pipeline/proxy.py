@@ -25,7 +25,6 @@ from ..link.codec import check_codec
 from ..metrics import middle_and_tail
 from ..options import AUTO
 from ..poses import PoseSample
-from ..poses.predictors import predictors
 from ..sources.feed.options import FeedOptions
 from ..sources.server import Renderer
 from ..sources.server.draw import MIRRORS
@@ -248,7 +247,7 @@ def source_of(options: PipelineOptions) -> Source:
 
 
 def check_names(options: PipelineOptions) -> None:
-    """Check warp, fills, lens, effects, predictor, codec, mirrors, indirect light and network.
+    """Check warp, fills, lens, effects, codec, mirrors, indirect light and network.
 
     It loads nothing, so that a misspelt name is reported before a scene is built.
 
@@ -262,7 +261,6 @@ def check_names(options: PipelineOptions) -> None:
     if options.lens != AUTO:
         lenses.get(options.lens)
     effects.forced(options.effects)
-    predictors.get(options.predict)
     check_codec(options.coding.codec)
     check_codec(options.proxy.codec)
     options.client_link.delay.check(round(options.latency_ms * 1e6))
