@@ -322,10 +322,6 @@ def coding_rows(summary: Summary) -> Pairs:
             ("from the server to the proxy", f"{proxy['latency_ms']:g} ms, {proxy['mbit_s']:.1f} Mbit/s{coded}"),
             ("the proxy's warp to fill, one eye (median)", _with_unit(took, "ms")),
         ]
-    if "resolution" in link:
-        counts = {f"{float(scale):.0%}": count for scale, count in link["resolution"]["frames"].items() if count}
-        rows += [(f"frames at {share} of the width and height", str(count)) for share, count in counts.items()]
-        rows.append(("changes of resolution", str(link["resolution"]["changes"])))
     return rows
 
 

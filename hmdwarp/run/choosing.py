@@ -37,8 +37,8 @@ from .options import RunOptions
 from .run import ReplayRun, Schedule, schedule_of, set_up_replay
 
 QUANTILE = 0.95
-# A guard of 2 has four times the pixels; a second wide view (`--wide`) costs half a picture and
-# reaches farther.
+# A guard of 2 has four times the pixels; a second, wide view (fill `wide`) costs half a picture
+# and reaches farther.
 MOST = 2.0
 NEAR_M = 1.0  # nearest surface considered; nearer ones enter the view from farther in
 MOST_INSTANTS = 2000
@@ -75,7 +75,7 @@ def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: R
     factor = min(MOST, math.ceil(max(wanted, 1) * _STEP - 1e-6) / _STEP) if flat else MOST
     size = f"a picture {wanted:.2f} times as large in tangents" if flat else "more than any flat picture holds"
     told = f"Guard auto: to lose nothing at {QUANTILE:.0%} of the refreshes takes {size}; {factor:g} is drawn"
-    beyond = ", auto's most. A second wide view (--wide) reaches farther and costs less"
+    beyond = ", auto's most. A second, wide view (--fill wide+..) reaches farther and costs less"
     return factor, f"{told}{'' if wanted <= MOST else beyond}."
 
 

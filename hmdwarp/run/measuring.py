@@ -30,8 +30,7 @@ from ..metrics import psnr
 from ..options import Choice, NoSettings
 from ..pipeline.channel import Reads
 from ..pipeline.loop import Loop, Refresh
-from ..pipeline.recorded_source import RecordedRenderer
-from ..pipeline.remote_source import NoTruth
+from ..pipeline.remote import NoTruth
 from ..pipeline.sizes import build_plan_for, plan_against
 from ..resources import install_line
 from ..sources.server import Renderer
@@ -734,9 +733,6 @@ class Probe:
         self.without_truth = 0
         # Of each comparison, by refresh and eye.
         self.against_ms: list[dict[tuple[int, int], tuple[tuple[str, float], ...]]] = [{} for _ in self._against]
-        # Of an eye whose frames were not sent, by refresh: the share of its pixels that the warp
-        # left empty, and its PSNR where what it should see was recorded.
-        self.second_eye: dict[str, dict[int, float]] = {"hole_share": {}, "psnr_db": {}}
         self.near_gaze = NearGaze(setup.options.fovea is not None)
         if setup.options.scanout_ms:
             how = "follows it row by row" if setup.plans[0].scanout else "shows all rows as in its middle"
@@ -751,17 +747,7 @@ class Probe:
         return self.clips is not None or is_measured(number, self._every) or is_measured(number + 1, self._every)
 
     def read(self, number: int, refresh: Refresh) -> None:
-        """Read back the eyes of refresh `number`, and submit them if it is a measured one.
-
-        An eye that no frames were sent for has holes alone, and a PSNR.
-        """
-        if len(refresh.eyes) > self._setup.source.kind.eyes and is_measured(number, self._every):
-            second, server = self._setup.source.kind.eyes, self._setup.server
-            result = self._before_lens(refresh, second)
-            self.second_eye["hole_share"][number] = _hole_share(coverage(result))
-            if isinstance(server, RecordedRenderer) and server.right is not None:
-                truth = draw_truth(server.right, refresh.inputs[second], self._setup.sizes.shown, depth=False)
-                self.second_eye["psnr_db"][number] = psnr(shown_picture(result), truth.picture)
+        """Read back the eyes that frames were sent for, and submit them if they are measured."""
         for eye in range(min(len(refresh.eyes), self._setup.source.kind.eyes)):
             rendered = refresh.frame.eyes[eye]
             # The predecessor of a measured refresh is read for flicker only.

@@ -8,15 +8,14 @@ import operator
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import ExitStack
-from typing import Any, ClassVar, Generic, Self, TypeVar
+from typing import ClassVar, Generic, Self, TypeVar
 
 import attrs
 import numpy as np
 
 from ..client import ClientScene
 from ..client.classes import load_client
-from ..client.compensator import Compensator, EyeResult
-from ..client.inputs import PassInputs
+from ..client.compensator import Compensator
 from ..client.plan import Plan, needs_of
 from ..display import Display
 from ..errors import InputError, counted
@@ -25,7 +24,7 @@ from ..frames.layers import PICTURE
 from ..geometry import Eyes, Pose
 from ..gpu.context import Gpu
 from ..headsets import Headset
-from ..link import CHANGES, RESOLUTION
+from ..link import CHANGES
 from ..link.codec import codecs
 from ..metrics import Alike, PairPass, QualityJob, QualityPool
 from ..pipeline.channel import Changes, Channel, Coder, Reads
@@ -54,32 +53,6 @@ from ..sources.server import Renderer
 from .options import RunOptions
 
 Options = TypeVar("Options", bound=PipelineOptions)
-
-
-class SizedCompensator(Compensator):
-    """Compensate frames of any size; what a pass remembers of earlier refreshes is of one size."""
-
-    def __init__(
-        self, gpu: Gpu, plan: Plan, headset: Headset | None, rendered: tuple[int, int], *more: Any, hides: bool = False
-    ) -> None:
-        super().__init__(gpu, plan, headset, rendered, *more, hides=hides)
-        self._of_size: Callable[[tuple[int, int]], Compensator] = lambda size: Compensator(
-            gpu, plan, headset, size, *more, hides=hides
-        )
-        self._full_size, self._others = rendered, dict[tuple[int, int], Compensator]()
-
-    def run(self, inputs: PassInputs) -> EyeResult:
-        size = inputs.rendered.size
-        if size == self._full_size:
-            return super().run(inputs)
-        if size not in self._others:
-            self._others[size] = self._of_size(size)
-        return self._others[size].run(inputs)
-
-    def close(self) -> None:
-        super().close()
-        for other in self._others.values():
-            other.close()
 
 
 @attrs.frozen(eq=False)
@@ -269,10 +242,9 @@ class Run(Generic[Options]):
         return self._compensator(plan)
 
     def _compensator(self, plan: Plan) -> Compensator:
-        kind = SizedCompensator if self.options.network.overload == RESOLUTION else Compensator
         target, sizes = self.target, self.sizes
         hides = any(view.hidden is not None for view in target.eyes.views(Pose()))
-        made = kind(target.gpu, plan, target.lens_of, sizes.rendered, sizes.shown, self.geometry, hides=hides)
+        made = Compensator(target.gpu, plan, target.lens_of, sizes.rendered, sizes.shown, self.geometry, hides=hides)
         self._made.append(made)
         return made
 
@@ -398,7 +370,7 @@ def first_shown_s(options: RunOptions, rate_hz: float) -> float:
 
 def _refreshes_before(options: RunOptions, rate_hz: float) -> tuple[int, int]:
     """Return how many refreshes a frame is under way to the client, and to a proxy before that."""
-    options.client_link.check(latency_ns(options))
+    options.client_link.delay.check(latency_ns(options))
     link_ms = options.client_link.longest_ns(latency_ns(options)) / 1e6
     return refreshes_of(link_ms, rate_hz), refreshes_of(options.proxy.longest_ms(options.network), rate_hz)
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..geometry import Pose
 from ..gpu.context import Gpu
-from ..link import ResponseTime, TransitStats, response_figures
+from ..link import ResponseTime, TransitStats, figures_of_parts
 from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference, metrics_in_order
 from ..pipeline.loop import Refresh
 from ..pipeline.sizes import rendered_entry
@@ -389,8 +389,8 @@ def result_of(
     summary = summary_of_rows(setup, (options.warp, options.fill, options.lens), rows)
     summary["link"] = {
         **setup.channel.summary(setup.schedule.rate_hz),
-        "response": "fixed" if options.network.response is None else "sum",
-        "response_ms": response_figures(log.responses),
+        "response": options.network.response,
+        "response_ms": figures_of_parts([[*time.parts().values()] for time in log.responses]),
         "timeline": log.timeline.as_list(),
     }
     summary |= more

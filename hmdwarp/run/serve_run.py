@@ -41,8 +41,7 @@ from ..pipeline.feed_coding import (
 from ..pipeline.options import PipelineOptions
 from ..pipeline.proxy import KnownHead, Proxy
 from ..pipeline.recorded_source import RecordedRenderer, RecordingSource
-from ..pipeline.remote import Remote
-from ..pipeline.remote_source import RemoteFrames
+from ..pipeline.remote import Remote, RemoteFrames
 from ..pipeline.source import PoseRequest, Source, nothing
 from ..poses import Origin, PoseSample, load_trace
 from ..poses.track import folded
@@ -418,7 +417,7 @@ class _Warping(Renderer):
         while (now_ns := time.monotonic_ns()) < until_ns:
             shift_ns = ask.time_ns - now_ns
             client.remote.scene_ns = lambda own_ns, shift_ns=shift_ns: own_ns + shift_ns  # type: ignore[misc]
-            frame = client.proxy.draw(PoseSample(now_ns, head, Origin.HELD), now_ns, 1.0)
+            frame = client.proxy.draw(PoseSample(now_ns, head, Origin.HELD), now_ns)
             if client.refused:
                 if frame is not None:
                     client.proxy.recycle(frame)

@@ -408,7 +408,8 @@ def test_a_steady_turn_gets_what_it_moves_by_in_the_latency_and_prediction_saves
 
 def test_no_more_than_most_is_drawn_and_the_note_says_so():
     choice = choose(RunOptions(trace="fast-turns", guard="auto", latency_ms=400))
-    assert choice.options.guard == MOST and "--wide" in choice.notes[0]
+    assert choice.options.guard == MOST
+    assert "--fill wide" in choice.notes[0]
 
 
 def test_a_guard_is_one_factor_or_one_for_each_axis():
