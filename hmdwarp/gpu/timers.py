@@ -20,29 +20,21 @@ def is_software(gl: moderngl.Context) -> bool:
 
 # Of the wall-clock time that a real timer reports at least: launching may be nearly all of it. A
 # copy by a CPU takes milliseconds, and a timer that misses it still counts what surrounds it.
-_LEAST_SHARE, _LEAST_SHARE_OF_A_COPY_ON_A_CPU = 1e-3, 0.1
+_LEAST_SHARE, _LEAST_SHARE_ON_A_CPU = 1e-3, 0.1
 _PROBE_BYTES, _CHECK_BYTES, _PROBE_WIDTH = 4 << 20, 64 << 20, 512
 
 
 def has_real_gpu_timer(gl: moderngl.Context) -> bool:
-    """Return whether GL_TIME_ELAPSED measures draws and compute shaders.
+    """Return whether GL_TIME_ELAPSED measures compute shaders.
 
     Probed, not known by name: llvmpipe answers about 1 ns for any work, or leaves out compute
-    shaders, and Zink, which runs on the same llvmpipe, measures both.
+    shaders, and Zink, which runs on the same llvmpipe, measures them.
     """
-    texture = gl.texture((_PROBE_WIDTH, _PROBE_WIDTH), 4, dtype="f4")
-    framebuffer = gl.framebuffer([texture])
-
-    def clear() -> None:
-        for _ in range(4):
-            framebuffer.clear(0.5, 0.5, 0.5, 0.5)
-
-    measures_draws = _agrees_with_the_wall(gl, clear, _LEAST_SHARE)
-    release_all(framebuffer, texture)
-    if not measures_draws:
-        return False
     with _copying(gl, _PROBE_BYTES) as run:
-        return _agrees_with_the_wall(gl, run, _LEAST_SHARE_OF_A_COPY_ON_A_CPU if is_software(gl) else _LEAST_SHARE)
+        run()  # keeps one-time work of the driver out of the comparison
+        wall_ms, gpu_ms = both_clocks(gl, run)
+    least = _LEAST_SHARE_ON_A_CPU if is_software(gl) else _LEAST_SHARE
+    return wall_ms * least < gpu_ms <= wall_ms * 1.5
 
 
 @contextmanager
@@ -58,12 +50,6 @@ def _copying(gl: moderngl.Context, size_bytes: int) -> Iterator[Callable[[], Non
         yield lambda: copy.run(_PROBE_WIDTH, blocks // _PROBE_WIDTH)
     finally:
         release_all(copy.program, *buffers)
-
-
-def _agrees_with_the_wall(gl: moderngl.Context, run: Callable[[], object], least: float) -> bool:
-    run()  # keeps one-time work of the driver out of the comparison
-    wall_ms, gpu_ms = both_clocks(gl, run)
-    return wall_ms * least < gpu_ms <= wall_ms * 1.5
 
 
 @attrs.frozen
@@ -137,7 +123,6 @@ class StageTimer:
         self._pending: list[tuple[str, moderngl.Query]] = []
         self._done: list[tuple[str, float]] = []
         self._lap_started_ns = time.perf_counter_ns()
-        self._waits = True
 
     @property
     def lap_ms(self) -> float:
@@ -145,24 +130,15 @@ class StageTimer:
         return (time.perf_counter_ns() - self._lap_started_ns) * 1e-6
 
     @contextmanager
-    def without_waiting(self) -> Iterator[None]:
-        """Let the GPU run on between stages: the wall clock then times only those of the CPU."""
-        self._waits = False
-        try:
-            yield
-        finally:
-            self._waits = True
-
-    @contextmanager
     def aside(self, name: str) -> Iterator[None]:
         """Time all that runs inside as one stage of this lap, whatever laps it makes of its own."""
-        around, waits = (self._pending, self._done, self._lap_started_ns), self._waits
-        self._pending, self._done, self._waits = [], [], True
+        around = self._pending, self._done, self._lap_started_ns
+        self._pending, self._done = [], []
         started_ns = time.perf_counter_ns()
         try:
             yield
         finally:
-            (self._pending, self._done, self._lap_started_ns), self._waits = around, waits
+            self._pending, self._done, self._lap_started_ns = around
             self.add(name, (time.perf_counter_ns() - started_ns) * 1e-6)
 
     def stage(self, name: str, *, barrier: bool = False) -> Stage:
@@ -171,11 +147,11 @@ class StageTimer:
         Blocks that raise do not count. What it returns can be entered any number of times, one
         after the other. barrier: make what is stored inside visible to all that follows.
         """
-        return Stage(self, name, barrier)
+        return Stage(self, name, barrier, by_query=self.clock == "gpu")
 
     def cpu_stage(self, name: str) -> Stage:
         """Time work of the CPU inside `with timer.cpu_stage(name):`, in milliseconds."""
-        return Stage(self, name, of_cpu=True)
+        return Stage(self, name, barrier=False, by_query=False)
 
     def add(self, name: str, milliseconds: float) -> None:
         """Count work done elsewhere than in GL, timed by the caller, as a stage of this lap."""
@@ -196,15 +172,13 @@ class StageTimer:
 class Stage:
     """A stage timed by a query, or by the wall clock between two instants at which the GPU is idle.
 
-    Inside StageTimer.without_waiting it is not idle, and only stages of the CPU have a wall clock's
-    time. A class, because contextlib's generators cost 3 us each and a refresh has ten.
+    A class, because contextlib's generators cost 3 us each and a refresh has ten.
     """
 
-    __slots__ = ("_barrier", "_by_query", "_name", "_of_cpu", "_query", "_started_ns", "_timer")
+    __slots__ = ("_barrier", "_by_query", "_name", "_query", "_started_ns", "_timer")
 
-    def __init__(self, timer: StageTimer, name: str, barrier: bool = False, of_cpu: bool = False) -> None:
-        self._timer, self._name, self._barrier, self._of_cpu = timer, name, barrier, of_cpu
-        self._by_query = timer.clock == "gpu" and not of_cpu
+    def __init__(self, timer: StageTimer, name: str, barrier: bool, by_query: bool) -> None:
+        self._timer, self._name, self._barrier, self._by_query = timer, name, barrier, by_query
 
     def __enter__(self) -> None:
         timer = self._timer
@@ -212,8 +186,7 @@ class Stage:
             self._query = timer._free.pop() if timer._free else timer._gl.query(time=True)
             self._query.__enter__()
             return
-        if timer._waits:
-            timer._gl.finish()
+        timer._gl.finish()
         self._started_ns = time.perf_counter_ns()
 
     def __exit__(self, error: type[BaseException] | None, *rest: object) -> None:
@@ -227,10 +200,8 @@ class Stage:
             else:
                 timer._free.append(self._query)
         elif error is None:
-            if timer._waits:
-                timer._gl.finish()
-            if timer._waits or self._of_cpu:
-                timer._done.append((self._name, (time.perf_counter_ns() - self._started_ns) * 1e-6))
+            timer._gl.finish()
+            timer._done.append((self._name, (time.perf_counter_ns() - self._started_ns) * 1e-6))
 
 
 def both_clocks(gl: moderngl.Context, run: Callable[[], object]) -> tuple[float, float]:

@@ -19,7 +19,6 @@ from ..sources.array_passes import LINEAR, SRGB, SRGB8, Arrays
 from ..sources.repairs import RepairChain
 from ..sources.sequences import about_largest, is_largest
 
-NO_DEPTH = -1.0
 ENCODINGS = (SRGB, LINEAR)
 # Light above it is rare, and a picture is not lit like that in most places, nor in whole numbers:
 # 8-bit values are, as floats.
@@ -56,14 +55,6 @@ class PictureArrays:
         """Return it as the GPU takes it over, with nothing left to check."""
         return RawPicture(self.colour, self.encoding, self.inverse_depth, is_inverse=True, checked=self)
 
-    def arrays(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Return linear colour with coverage (h, w, 4), and inverse depth (h, w), -1 for none."""
-        covered = ~np.isnan(self.inverse_depth)
-        limit = float(np.finfo(np.float16).max)
-        light = np.clip(self.light, -limit, limit) * covered[..., None]
-        rgba = np.concatenate([light, covered[..., None]], axis=2)
-        return rgba.astype(np.float32), np.where(covered, self.inverse_depth, NO_DEPTH).astype(np.float32)
-
 
 @attrs.frozen(eq=False)
 class RawPicture(Arrays):
@@ -88,11 +79,6 @@ class RawPicture(Arrays):
     def as_checked(self) -> PictureArrays:
         """Return what checked_picture makes of it. Errors: InputError."""
         return self.checked or checked_picture(*self.passed)
-
-    def as_sent(self, colour: NDArray[Any], depth: NDArray[Any]) -> RawPicture:
-        """Return the picture with the numbers that the GPU was sent."""
-        masked = np.ma.array(depth, mask=False if self.hidden is None else self.hidden)
-        return attrs.evolve(self, colour=colour, depth=depth, passed=(colour, masked, *self.passed[2:]))
 
 
 def raw_picture(

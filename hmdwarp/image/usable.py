@@ -14,7 +14,7 @@ from ..client.compensator import Compensator, EyeResult
 from ..client.effects import effects as every_effect
 from ..client.fills import fills
 from ..client.inputs import PassInputs
-from ..client.plan import CLIENT_DEPTH, OTHERS, SHOWN, SHOWN_DEPTH, Plan, build_plan
+from ..client.plan import OTHERS, SHOWN, SHOWN_DEPTH, Plan, build_plan
 from ..client.warps import warps
 from ..errors import InputError, PlanError, in_brief
 from ..frames.layers import PICTURE, readable
@@ -25,8 +25,8 @@ from ..pipeline.governor import AdaptiveCompensator, Change, Governor
 from ..pipeline.levels import QualityLevel, best_within, check_budget, front, levels_from, read_rows
 from .picture_textures import KNOWN
 
-# What a caller can pass: pictures with depth, the depth of what is to be shown, and some layers.
-AVAILABLE = (*PICTURE, OTHERS, CLIENT_DEPTH, *map(readable, KNOWN))
+# What a caller can pass: pictures with depth, and some layers.
+AVAILABLE = (*PICTURE, OTHERS, *map(readable, KNOWN))
 
 
 def usable_warps() -> list[str]:

@@ -45,10 +45,8 @@ def test_a_warper_takes_other_panels_for_each_picture():
     with Warper(SIZE, effects="panels") as warper:
         bare, one = warper.warp(*arguments), warper.warp(*arguments, panels=[WHITE])
         beside = warper.warp(*arguments, panels=[attrs.evolve(WHITE, pose=Pose((0.3, 1.6, -1.0))), WHITE])
-        late = warper.submit(*arguments, panels=[WHITE]).result()
         again = warper.warp(*arguments)
     assert np.array_equal(one.colour, warped(WHITE))
-    assert np.array_equal(one.colour, late.colour)
     assert np.array_equal(bare.colour, again.colour)
     assert (beside.colour == 255).all(axis=2).sum() == 20 * 30
 
