@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError, in_brief
+from ..errors import InputError
 from .pose import floats, real
 
 HALF_STEP = 0.5 / (2**16 - 1)  # of a 16-bit buffer, the coarsest in use
@@ -98,36 +98,3 @@ class DepthLayer:
         near, far = 1 / self.near_z, 1 / self.far_z
         share = (near - floats(inverse_depth)) / (near - far)
         return self.min_depth + np.clip(share, 0, 1) * (self.max_depth - self.min_depth)
-
-
-def inverse_depth_from_clip(
-    d: ArrayLike, near_m: float, far_m: float = math.inf, *, ndc: str = "zero_to_one", reversed_z: bool = False
-) -> NDArray[np.float64]:
-    """Return the inverse depth, in 1/m, of clip depth as GL, D3D or Vulkan have it.
-
-    Parameters
-    ----------
-    d : array_like
-        Values of the buffer.
-    near_m, far_m : float
-        Metres, near_m below far_m, which may be inf.
-    ndc : str
-        "zero_to_one" (D3D, Vulkan, a GL depth buffer) or "minus_one_to_one" (GL's own NDC).
-    reversed_z : bool
-        Whether near is at the upper end.
-
-    Raises
-    ------
-    InputError
-        For another ndc, and for near_m >= far_m.
-    """
-    if not isinstance(ndc, str) or ndc not in ("zero_to_one", "minus_one_to_one"):
-        raise InputError(f"unknown depth range {in_brief(ndc)}: expected zero_to_one or minus_one_to_one")
-    near_m, far_m = real(near_m), real(far_m)
-    if not near_m < far_m:
-        raise InputError(f"near {near_m} is not before far {far_m}; for a reversed buffer pass reversed_z=True")
-    low = -1.0 if ndc == "minus_one_to_one" else 0.0
-    if not isinstance(reversed_z, bool | np.bool_):
-        raise InputError(f"reversed_z is {in_brief(reversed_z)}: expected True or False")
-    near, far = (far_m, near_m) if reversed_z else (near_m, far_m)
-    return DepthLayer(low, 1.0, near, far).inverse_depth(d)

@@ -10,7 +10,6 @@ import moderngl
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..client.effects import effects as every_effect
 from ..client.effects.text import HeldPanel, panel_texture
 from ..colour import linear_from_srgb
 from ..errors import InputError, in_brief
@@ -21,7 +20,7 @@ from ..geometry import DepthLayer, RigidState
 from ..geometry.depth import HALF_STEP
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, allocate, release_all, upload
-from ..scenes import Panel, Scene, Texture
+from ..scenes import Panel, Texture
 from ..sources.array_passes import LINEAR, SRGB
 from .picture_arrays import ENCODINGS, is_one_of
 
@@ -218,6 +217,8 @@ class CallerLayers:
 
     def check(self, passed: Mapping[str, Any], who: str) -> None:
         """Check that the layers passed are those that are read. Errors: InputError."""
+        if not isinstance(passed, Mapping):
+            raise InputError(f"layers is of type {type(passed).__name__}: expected a dict of arrays by name")
         for name in passed:
             if name not in KNOWN:
                 why = "is unknown"
@@ -238,19 +239,3 @@ class CallerLayers:
         """Free all textures."""
         for held in self._held.values():
             held.close()
-
-
-def with_panels(passed: Mapping[str, Any], panels: Any) -> Mapping[str, Any]:
-    """Return the layers with the panels of a call, if it has any."""
-    if not isinstance(passed, Mapping):
-        raise InputError(f"layers is of type {type(passed).__name__}: expected a dict of arrays by name, maybe empty")
-    has_none = panels is None or (isinstance(panels, list | tuple) and not panels)
-    return passed if has_none else {**passed, "panels": panels}
-
-
-def with_panel_effects(effects: str, panels: Any) -> str:
-    """Return the effects with those that lay the panels of a call over its picture."""
-    if not isinstance(panels, list | tuple) or not all(isinstance(panel, Panel) for panel in panels):
-        return effects
-    called_for = every_effect.of(Scene("panels", "", (), panels=panels))
-    return ",".join([*(effects.split(",") if effects != "none" else []), *called_for]) or effects

@@ -32,7 +32,6 @@ from ..gpu.textures import Canvas, check_size, download
 from ..options import AUTO
 from ..pipeline.governor import Change
 from ..pipeline.options import DEFAULT_WARP, SINGLE_FILL
-from ..scenes import Panel
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, GiveOut, PixelBuffers, TakeIn
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import about_largest, about_unit
@@ -46,7 +45,7 @@ from .picture_arrays import (
     raw_picture,
     without_hidden,
 )
-from .picture_textures import INVERSE, CallerLayers, ForeignTextures, HeldPicture, with_panel_effects, with_panels
+from .picture_textures import INVERSE, CallerLayers, ForeignTextures, HeldPicture
 from .usable import AutoCompensator, plan_of, plans_of_levels
 
 _MOST_AGE_S = 9e9  # in nanoseconds still of 64 bits
@@ -215,7 +214,6 @@ class Warper:
         *,
         others: Sequence[Other] = (),
         layers: Mapping[str, Any] = MappingProxyType({}),
-        panels: Sequence[Panel] | None = None,
         age_s: float = 0.0,
         depth_scale: float | None = None,
         encoding: str | None = None,
@@ -226,10 +224,8 @@ class Warper:
 
         Parameters
         ----------
-        colour, depth_m, rendered, shown, others, layers, panels, age_s
-        depth_scale, encoding, result
-            As warp_image; panels are for a Warper with effects="panels" (or, to be hidden by what
-            is nearer, "panels,occluded_panels").
+        colour, depth_m, rendered, shown, others, layers, age_s, depth_scale, encoding, result
+            As warp_image.
         eye : int
             0 or 1; a fill that remembers keeps the two apart.
 
@@ -245,7 +241,7 @@ class Warper:
         with self._gpu() as gpu:
             gpu.timer.collect()
             pictures = _pictures(colour, depth_m, _checked_views(rendered, shown, eye), others, depth_scale, encoding)
-            return self._warped(gpu, pictures, shown, with_panels(layers, panels), age_s, result, eye)
+            return self._warped(gpu, pictures, shown, layers, age_s, result, eye)
 
     def _warped(
         self,
@@ -330,7 +326,7 @@ class Warper:
         *,
         depth_as: str | DepthLayer = INVERSE,
         encoding: str = LINEAR,
-        panels: Sequence[Panel] | None = None,
+        layers: Mapping[str, Any] = MappingProxyType({}),
         eye: int = 0,
     ) -> WarpedTextures:
         """Return the view `shown` as textures, from textures of the same context.
@@ -350,7 +346,9 @@ class Warper:
             "inverse" (1/m; below 0 is none), "metres" (0 is none), or the DepthLayer of a buffer.
         encoding : str
             "linear", also for a texture that OpenGL decodes itself, or "srgb".
-        panels, eye
+        layers : mapping
+            "panels" alone, as warp_image; what runs on arrays has no textures.
+        eye : int
             As warp.
 
         Raises
@@ -361,8 +359,7 @@ class Warper:
         """
         views = _checked_views(rendered, shown, eye)
         self._check_others(0)
-        laid = with_panels({}, panels)
-        self._layers.check(laid, f"{self._named} runs on arrays where it")
+        self._layers.check(layers, f"{self._named} runs on arrays where it")
         if isinstance(self._compensator, AutoCompensator):
             raise InputError("warp 'auto' times pictures of warp() and submit(): name a warp for textures")
         if self.repair.steps:
@@ -379,7 +376,7 @@ class Warper:
             for note in self._unit_notes(metres, views, "a scale of {:g}"):
                 warnings.warn(note, stacklevel=2)
             self._count += 1
-            image = EyeImage(views[0], *pair, self._layers.hold(laid), drawn_ns=self._count)
+            image = EyeImage(views[0], *pair, self._layers.hold(layers), drawn_ns=self._count)
             made = self._compensator.run(self._inputs([image], views[1], eye))
             gpu.check_not_lost()
             assert made.shown is not None, "only a fused plan lacks it"
@@ -533,7 +530,6 @@ def warp_image(
     repair: str = "none",
     others: Sequence[Other] = (),
     layers: Mapping[str, Any] = MappingProxyType({}),
-    panels: Sequence[Panel] | None = None,
     age_s: float = 0.0,
     depth_scale: float | None = None,
     encoding: str | None = None,
@@ -581,11 +577,8 @@ def warp_image(
         Further pictures of the scene, for warps and effects that read them: the other eye's, then
         older ones, newest first.
     layers : mapping
-        Further layers by name, for effects that read them: velocity, ids, overlay; docs/rgbd.md
-        says what each holds.
-    panels : sequence of Panel, optional
-        Text and menus, laid over the result at its own pose; the first picture of each is shown,
-        and is uploaded once for all panels that attrs.evolve makes of one.
+        Further layers by name, for effects that read them: velocity, ids, overlay, panels;
+        docs/rgbd.md says what each holds.
     age_s : float
         Seconds from drawing the picture to showing it, for what moves.
     depth_scale : float, optional
@@ -618,7 +611,6 @@ def warp_image(
     MachineError
         Without OpenGL 4.3.
     """
-    effects = with_panel_effects(effects, panels)
     pictures = _pictures(colour, depth_m, _checked_views(rendered, shown, 0), others, depth_scale, encoding)
     own_size = pictures[0][0].size
     shown_size = own_size if size is None else checked_size(size)
@@ -626,4 +618,4 @@ def warp_image(
     options |= {"budget_ms": budget_ms, "bench": bench}
     with Warper(shown_size, rendered_size=own_size, gpu=gpu, **options) as warper, warper._gpu() as current:
         current.timer.collect()
-        return warper._warped(current, pictures, shown, with_panels(layers, panels), age_s, result)
+        return warper._warped(current, pictures, shown, layers, age_s, result)

@@ -1,4 +1,4 @@
-"""Lenses: the polynomial and where it folds, tables of angles, meshes, SteamVR's configuration."""
+"""Lenses: the polynomial and where it folds, tables of angles, SteamVR's configuration."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import json
 import math
 import re
 
-import attrs
 import numpy as np
 import pytest
 from hypothesis import example, given
@@ -15,7 +14,7 @@ from hypothesis import strategies as st
 from panels import in_two_passes, panel_of, world_before
 from reference.lens import lens_from_tangent
 from replays import run
-from scipy.interpolate import PchipInterpolator, RegularGridInterpolator
+from scipy.interpolate import PchipInterpolator
 
 from hmdwarp.client.lens import lenses
 from hmdwarp.errors import InputError
@@ -24,7 +23,6 @@ from hmdwarp.headsets import (
     COLOURS,
     MAX_COEFFICIENTS,
     Headset,
-    MeshLens,
     RadialLens,
     TableLens,
     ViveLens,
@@ -172,63 +170,11 @@ def vive(tmp_path) -> Headset:
     return load_headset(str(tmp_path / "vive.json"))
 
 
-def sampled(headset: Headset, points: int) -> Headset:
-    """The headset with each lens sampled on a grid of points x points, as ComputeDistortion is."""
-    places = np.stack(np.meshgrid(*(np.linspace(0, 1, points),) * 2), axis=-1)
-    eyes = []
-    for number, eye in enumerate(headset.eyes):
-        grids = {name: headset.through_lens(number, places, name) for name in COLOURS}
-        rows = {name: tuple(tuple(map(tuple, row)) for row in grid.tolist()) for name, grid in grids.items()}
-        eyes.append(attrs.evolve(eye, lens=MeshLens(eye.panel_m, rows)))
-    return attrs.evolve(headset, eyes=tuple(eyes))
-
-
-@pytest.fixture
-def mesh() -> Headset:
-    """The DK1 with its polynomials on a grid."""
-    return sampled(load_headset("rift-dk1"), 33)
-
-
-MESH = """name = "mine"
-summary = "s"
-source = "s"
-[panel]
-eye_size_px = [40, 36]
-eye_size_m = [0.04, 0.036]
-refresh_hz = 90
-[eyes]
-ipd_m = 0.063
-[fov_deg]
-left = -45
-right = 45
-down = -45
-up = 45
-[lens]
-model = "mesh"
-columns = 3
-rows = 2
-uv = [0.1, 0, 0.5, 0, 1, 0,  0.1, 1, 0.5, 1, 1, 1]
-"""
-
-
-def test_a_mesh_of_a_file(tmp_path):
-    path = tmp_path / "mine.toml"
-    path.write_text(MESH)
-    headset = load_headset(str(path))
-    # A quarter from the left is half way from 0.1 to 0.5 of the view, of two tangents.
-    assert headset.through_lens(0, np.array([0.25, 0.5]), "red") == pytest.approx((2 * 0.3 - 1, 0))
-    assert headset.through_lens(1, np.array([0.75, 0.5]), "red") == pytest.approx((1 - 2 * 0.3, 0))
-
-
 def shown_tangents(headset: Headset, eye: int, size: tuple[int, int], name: str) -> np.ndarray:
     """(h, w, 2) what each panel pixel shows, NaN for nothing: straight from the formulas."""
     lens, panel = headset.eyes[eye].lens, np.array(headset.eyes[eye].panel_m)
     pixels = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in size)), axis=-1)
     from_middle = (pixels / size - 0.5) * panel
-    if isinstance(lens, MeshLens):
-        grid = np.array(lens.points[name])
-        axes = [np.linspace(-side / 2, side / 2, n) for side, n in zip(panel[::-1], grid.shape, strict=False)]
-        return RegularGridInterpolator(axes, grid)(from_middle[..., ::-1])
     if isinstance(lens, TableLens):
         from_axis = (from_middle - lens.axis_from_centre_m) / 0.03
         r, way = np.hypot(*from_axis.T).T, np.arctan2(from_axis[..., 1], from_axis[..., 0])
@@ -253,7 +199,7 @@ def test_the_headset_says_what_the_formulas_say(request, name):
         assert headset.through_lens(eye, places, wanted_colour)[seen] == pytest.approx(wanted[seen], abs=1e-9)
 
 
-@pytest.mark.parametrize("name", ["pancake", "vive", "mesh"])
+@pytest.mark.parametrize("name", ["pancake", "vive"])
 @pytest.mark.parametrize("eye", [0, 1])
 def test_the_pass_shows_what_the_formulas_say(gpu, request, name, eye):
     """Of a picture whose colour is its place: the panel shows where it looked."""
@@ -282,7 +228,7 @@ def test_the_pass_shows_what_the_formulas_say(gpu, request, name, eye):
     panel.release()
 
 
-@pytest.mark.parametrize("name", ["pancake", "vive", "mesh"])
+@pytest.mark.parametrize("name", ["pancake", "vive"])
 @pytest.mark.parametrize("warp", ["rotation", "iterative:resample=bilinear"])
 def test_fused_is_the_lens_after_the_warp(gpu, request, name, warp):
     """An unmoved head looks at the same places: one resample is the lens pass of the picture."""
@@ -334,10 +280,7 @@ VIVE = json.dumps(vive_json())
         (TABLE, "angle_deg = \\[0, 10", "angle_deg = [0, 30", "lens table angle_deg does not grow at 20 degrees"),
         (TABLE, "green = \\[0, ", "green = [", r"lens table green has 7 values from 0\.247"),
         (TABLE, "48.3073\\]", "91]", "ends at 91: expected less than 89"),
-        (TABLE, '"table"', '"tables"', "unknown lens model 'tables': known is radial, table, mesh"),
-        (MESH, "0.5, 0, 1", "0.05, 0, 1", "the lens mesh of red folds back in the cell of row 0, column 0"),
-        (MESH, "rows = 2", "rows = 3", "uv .* expected a list of 18 finite numbers"),
-        (MESH, "uv =", "blue =", "the key lens.red is missing"),
+        (TABLE, '"table"', '"tables"', "unknown lens model 'tables': known is radial, table"),
         (VIVE, r', \{"distortion_red": \{"center_x": -0.08,.*\]', "]", "has 1 eyes: expected the left one and the"),
         (VIVE, "-0.23, ", "-2.3, ", "the lens of blue folds back at r = "),
         (VIVE, "DISTORT_DPOLY3", "DISTORT_POLY3", "type is 'DISTORT_POLY3': expected DISTORT_DPOLY3"),
