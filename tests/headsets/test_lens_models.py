@@ -12,7 +12,6 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from panels import in_two_passes, panel_of, world_before
-from reference.lens import lens_from_tangent
 from replays import run
 from scipy.interpolate import PchipInterpolator
 
@@ -26,29 +25,14 @@ from hmdwarp.headsets import (
     RadialLens,
     TableLens,
     ViveLens,
-    headset_names,
     load_headset,
 )
 
 from .bad_files import refusal
 
-WITH_LENS = [name for name in headset_names() if load_headset(name).lens]
-
 
 def lens(*green: float, reach: float = 1.5, per_unit: float = 0.9) -> RadialLens:
     return RadialLens((0.005, 0.0), 0.04, per_unit, {"red": (1.0,), "green": green, "blue": (1.0, 0.1)}, reach)
-
-
-@pytest.mark.parametrize("name", WITH_LENS)
-@pytest.mark.parametrize("colour", COLOURS)
-@pytest.mark.parametrize("eye", [0, 1])
-def test_there_and_back_over_the_panel(name, colour, eye):
-    headset = load_headset(name)
-    x, y = np.meshgrid(np.linspace(0, 1, 23), np.linspace(0, 1, 29))  # with the four corners
-    scale, offset = headset.lens_from_panel(eye, (1, 1))
-    on_lens = np.stack([x, y], axis=-1) * scale + offset
-    again = lens_from_tangent(headset.lens, headset.lens.tangents(colour, on_lens), colour)
-    assert np.abs(again - on_lens).max() <= 1e-9
 
 
 # Growing polynomials: all coefficients positive, the first one well so.
@@ -62,9 +46,6 @@ def test_the_formula(coefficients, x, y):
     r2 = x * x + y * y
     wanted = np.array([x, y]) * 0.9 * sum(k * r2**i for i, k in enumerate(coefficients))
     assert lens(*coefficients).tangents("green", np.array([x, y])) == pytest.approx(wanted, rel=1e-12, abs=1e-300)
-
-
-# r + k r^3 turns where 1 + 3 k r^2 = 0.
 
 
 def test_a_fold_inside_the_panel_is_refused_with_its_radius():
@@ -192,6 +173,9 @@ def shown_tangents(headset: Headset, eye: int, size: tuple[int, int], name: str)
 @pytest.mark.parametrize("name", ["pancake", "vive"])
 def test_the_headset_says_what_the_formulas_say(request, name):
     headset = request.getfixturevalue(name)
+    if name == "vive":
+        assert headset.cants_deg == pytest.approx((5, 5)) and headset.ipd_m == pytest.approx(0.063)
+        assert headset.eye_size_px == (72, 80) and headset.aspect == pytest.approx(0.9)
     places = np.stack(np.meshgrid((np.arange(41) + 0.5) / 41, (np.arange(37) + 0.5) / 37), axis=-1)
     for eye, wanted_colour in itertools.product((0, 1), COLOURS):
         wanted = shown_tangents(headset, eye, (41, 37), wanted_colour)
@@ -249,14 +233,6 @@ def test_a_file_drives_a_replay(gpu, tmp_path, name):
     assert made.summary["lens"] == headset.lens.model
     with pytest.raises(InputError, match=f"has a lens of model {headset.lens.model}: use --lens"):
         run(tmp_path / "other", gpu=gpu, **{**options, "lens": "radial"})
-
-
-def test_known_numbers_of_the_configuration(vive):
-    assert vive.cants_deg == pytest.approx((5, 5)) and vive.ipd_m == pytest.approx(0.063)
-    assert vive.eye_size_px == (72, 80) and vive.aspect == pytest.approx(0.9)
-    # Blue at the panel's left edge, r = 1.082 level with the axis, is seen at 1.415; at the cutoff
-    # r^2 = 1.2, a little above or below, at 1.458 from the axis.
-    assert -1.458 < vive.eyes[0].fov.tangents[0] < -1.415
 
 
 @given(st.lists(st.floats(0.01, 1), min_size=2, max_size=9))
