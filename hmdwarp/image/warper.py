@@ -45,7 +45,7 @@ from .picture_arrays import (
     raw_picture,
     without_hidden,
 )
-from .picture_textures import INVERSE, CallerLayers, ForeignTextures, HeldPicture
+from .picture_textures import INVERSE, CallerLayers, HeldPicture, converted
 from .usable import AutoCompensator, plan_of, plans_of_levels
 
 _MOST_AGE_S = 9e9  # in nanoseconds still of 64 bits
@@ -186,7 +186,6 @@ class Warper:
             else:
                 self._compensator = AutoCompensator(current, auto, *sizes, budget_ms or 0)
             stack.callback(self._compensator.close)
-            self._foreign = ForeignTextures(current, self.rendered_size)
             self._layers = CallerLayers(current, self._needs, self.rendered_size, self.size)
             stack.callback(self._layers.close)
             count = 1 + self._needs.others.count + self._needs.others.recent
@@ -367,7 +366,7 @@ class Warper:
         if self._own_gpu is None:
             raise InputError("textures belong to a context: make the Warper with gpu=, the context they are of")
         with self._gpu() as gpu:
-            pair = self._foreign.converted(colour, depth, depth_as, encoding, self._pictures[0].pair)
+            pair = converted(gpu, self.rendered_size, colour, depth, depth_as, encoding, self._pictures[0].pair)
 
             def metres() -> NDArray[np.float64]:  # read back once: it waits for the GPU
                 inverse = download(pair[1])
