@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import attrs
@@ -21,57 +21,39 @@ def is_software(gl: moderngl.Context) -> bool:
 # Of the wall-clock time that a real timer reports at least: launching may be nearly all of it. A
 # copy by a CPU takes milliseconds, and a timer that misses it still counts what surrounds it.
 _LEAST_SHARE, _LEAST_SHARE_ON_A_CPU = 1e-3, 0.1
-_PROBE_BYTES, _CHECK_BYTES, _PROBE_WIDTH = 4 << 20, 64 << 20, 512
-
-
-def has_real_gpu_timer(gl: moderngl.Context) -> bool:
-    """Return whether GL_TIME_ELAPSED measures compute shaders.
-
-    Probed, not known by name: llvmpipe answers about 1 ns for any work, or leaves out compute
-    shaders, and Zink, which runs on the same llvmpipe, measures them.
-    """
-    with _copying(gl, _PROBE_BYTES) as run:
-        run()  # keeps one-time work of the driver out of the comparison
-        wall_ms, gpu_ms = both_clocks(gl, run)
-    least = _LEAST_SHARE_ON_A_CPU if is_software(gl) else _LEAST_SHARE
-    return wall_ms * least < gpu_ms <= wall_ms * 1.5
-
-
-@contextmanager
-def _copying(gl: moderngl.Context, size_bytes: int) -> Iterator[Callable[[], None]]:
-    """Give what copies so many bytes from one buffer to another in a compute shader."""
-    copy = Compute(gl, "gpu/copy.comp", {})
-    buffers = [gl.buffer(reserve=size_bytes) for _ in range(2)]
-    for binding, buffer in enumerate(buffers):
-        buffer.bind_to_storage_buffer(binding)
-    blocks = size_bytes // 16
-    copy.uniforms.set(count=blocks, width=_PROBE_WIDTH)
-    try:
-        yield lambda: copy.run(_PROBE_WIDTH, blocks // _PROBE_WIDTH)
-    finally:
-        release_all(copy.program, *buffers)
+_BYTES, _WIDTH = 4 << 20, 512
 
 
 @attrs.frozen
 class ClockCheck:
     """One known pass timed by both clocks."""
 
-    clock: str  # the one the stage timer uses
+    clock: str  # the one that stages are timed by: "gpu" where the two agree, else "wall"
     wall_ms: float
     gpu_ms: float | None  # None where timer queries measure nothing
     note: str  # which clock is used and how far apart the two are, in a sentence
 
 
-def check_clocks(gl: moderngl.Context, clock: str, rounds: int = 5) -> ClockCheck:
-    """Time a copy by GPU query and by wall clock after finish, in the same runs; the best of each.
+def check_clocks(gl: moderngl.Context) -> ClockCheck:
+    """Time a copy by a compute shader by GPU query and by wall clock after finish, in the same run.
 
-    clock: the stage timer's, "gpu" or "wall".
+    Probed, not known by name: llvmpipe answers about 1 ns for any work, or leaves out compute
+    shaders, and Zink, which runs on the same llvmpipe, measures them.
     """
-    with _copying(gl, _CHECK_BYTES) as run:
-        run()
-        times = [both_clocks(gl, run) for _ in range(rounds)]
-    wall_ms, gpu_ms = (min(column) for column in zip(*times, strict=True))
-    if clock == "wall":
+    copy, blocks, query = Compute(gl, "gpu/copy.comp", {}), _BYTES // 16, gl.query(time=True)
+    buffers = [gl.buffer(reserve=_BYTES) for _ in range(2)]
+    for binding, buffer in enumerate(buffers):
+        buffer.bind_to_storage_buffer(binding)
+    copy.uniforms.set(count=blocks, width=_WIDTH)
+    copy.run(_WIDTH, blocks // _WIDTH)  # keeps one-time work of the driver out of the comparison
+    gl.finish()
+    started_ns = time.perf_counter_ns()
+    with query:
+        copy.run(_WIDTH, blocks // _WIDTH)
+    gl.finish()
+    wall_ms, gpu_ms = (time.perf_counter_ns() - started_ns) * 1e-6, query.elapsed * 1e-6
+    release_all(copy.program, *buffers)
+    if not wall_ms * (_LEAST_SHARE_ON_A_CPU if is_software(gl) else _LEAST_SHARE) < gpu_ms <= wall_ms * 1.5:
         told = f"({gpu_ms:.3g} ms for a pass of {wall_ms:.2f} ms)"
         return ClockCheck("wall", wall_ms, None, f"wall clock: this driver's GPU timers are unusable {told}")
     apart = f"({(wall_ms - gpu_ms) / gpu_ms:+.1%}: launching and waiting)"
@@ -118,7 +100,8 @@ class StageTimer:
 
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl
-        self.clock = "gpu" if has_real_gpu_timer(gl) else "wall"
+        self.check = check_clocks(gl)
+        self.clock = self.check.clock
         self._free: list[moderngl.Query] = []
         self._pending: list[tuple[str, moderngl.Query]] = []
         self._done: list[tuple[str, float]] = []
@@ -202,15 +185,3 @@ class Stage:
         elif error is None:
             timer._gl.finish()
             timer._done.append((self._name, (time.perf_counter_ns() - self._started_ns) * 1e-6))
-
-
-def both_clocks(gl: moderngl.Context, run: Callable[[], object]) -> tuple[float, float]:
-    """Return (wall_ms, gpu_ms) of one run: until the GPU has finished; by a query, real or not."""
-    query = gl.query(time=True)
-    gl.finish()
-    started = time.perf_counter_ns()
-    with query:
-        run()
-    gl.finish()
-    wall_ms = (time.perf_counter_ns() - started) * 1e-6
-    return wall_ms, query.elapsed * 1e-6

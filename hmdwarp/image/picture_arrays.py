@@ -119,27 +119,6 @@ def without_hidden(colour: ArrayLike, view: View) -> ArrayLike:
     return np.ma.array(masked, mask=np.ma.getmaskarray(masked) | ~seen[..., None])
 
 
-def about_corners(picture: RawPicture) -> list[str]:
-    """Return a note on four corners that look like what a lens hides: black, and without depth."""
-    wide, high = picture.size
-    side = max(1, min(wide, high) // 32)
-    least = -np.finfo(np.float64).tiny if picture.is_inverse else 0  # inverse depth 0 is the sky's
-    with np.errstate(invalid="ignore"):
-        known = picture.depth > least
-    upright, across = known[[*range(side), *range(high - side, high)], wide // 2], known[high // 2, [0, -1]]
-    if known.mean() < 0.5 or not (upright.any() and across.any()):  # most is unknown, or a whole rim
-        return []
-    for rows in (slice(side), slice(high - side, high)):
-        for columns in (slice(side), slice(wide - side, wide)):
-            said = picture.hidden is not None and picture.hidden[rows, columns].any()
-            if said or known[rows, columns].any() or picture.colour[rows, columns, :3].any():
-                return []
-    return [
-        "the corners of colour are black and have no depth, as what a lens hides: holes there are filled with what is "
-        "beside them; give the views hidden=Hidden(polygons, fov), which leaves it black"
-    ]
-
-
 def about_holes(share: float, rendered: View, shown: View) -> list[str]:
     """Return a note on a result that hardly anything of the picture is seen in. share: of holes."""
     if share <= _NOTHING:

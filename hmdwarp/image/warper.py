@@ -37,7 +37,6 @@ from ..sources.repairs import parse_repairs
 from ..sources.sequences import about_largest, about_unit
 from .picture_arrays import (
     RawPicture,
-    about_corners,
     about_holes,
     checked_size,
     checked_view,
@@ -49,7 +48,7 @@ from .picture_textures import INVERSE, CallerLayers, HeldPicture, converted
 from .usable import AutoCompensator, plan_of, plans_of_levels
 
 _MOST_AGE_S = 9e9  # in nanoseconds still of 64 bits
-_LARGEST, _UNIT, _CORNERS, _HOLES = "largest", "unit", "corners", "holes"  # what a Warper warns of once
+_LARGEST, _UNIT, _HOLES = "largest", "unit", "holes"  # what a Warper warns of once
 Other = tuple[ArrayLike, ArrayLike, View]
 _shared: Gpu | None = None
 _turn = threading.RLock()  # a thread that holds it may take it again
@@ -451,9 +450,6 @@ class Warper:
             self._warned.update([_LARGEST] if largest else [])
             yield from largest
         yield from self._unit_notes(picture.metres, (rendered, shown), "depth_scale={:g}")
-        if _CORNERS not in self._warned:  # of the first picture
-            self._warned.add(_CORNERS)
-            yield from about_corners(picture)
         if self.plan.fills and _HOLES not in self._warned:  # where nothing fills holes, coverage tells of them
             empty = about_holes(hole_share, rendered, shown)
             self._warned.update([_HOLES] if empty else [])

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from hmdwarp.gpu import StageTimer, has_real_gpu_timer, timers
+from hmdwarp.gpu import StageTimer, check_clocks, timers
 
 
 class FakeQuery:
@@ -73,8 +73,10 @@ def test_a_timer_is_real_if_it_agrees_with_the_wall(fake, renderers):
     """By the answers, not by the renderer's name: Zink over llvmpipe has timers."""
     for renderer, (elapsed, real) in itertools.product(renderers, REAL[renderers].items()):
         gl = fake(elapsed, renderer)
-        assert has_real_gpu_timer(gl) is real
-        assert StageTimer(gl).clock == ("gpu" if real else "wall")
+        found = check_clocks(gl)
+        assert (found.clock, found.wall_ms) == ("gpu" if real else "wall", 1.0)
+        assert found.gpu_ms == (elapsed * 1e-6 if real else None)
+        assert (f"{(1e6 - elapsed) / elapsed:+.1%}" if real else "GPU timers are unusable") in found.note
 
 
 def test_the_clock_of_this_driver_is_the_one_that_measures(gpu):
@@ -136,15 +138,3 @@ def test_a_stage_that_fails_leaves_the_timer_and_its_query_usable(fake):
             pass
         assert [name for name, _ in timer.collect()] == ["good"]
         assert len(gl.queries) - probe == (elapsed > 1) and not gl.queries[-1].running
-
-
-def test_real_timers_are_compared_with_the_wall(gpu, monkeypatch):
-    times = iter([(3.0, 2.5), (2.2, 2.0), (2.4, 1.9)])
-    monkeypatch.setattr(timers, "both_clocks", lambda gl, run: next(times))
-    monkeypatch.setattr(timers, "_CHECK_BYTES", 1 << 20)
-    found = timers.check_clocks(gpu.gl, "gpu", rounds=3)
-    assert (found.clock, found.wall_ms, found.gpu_ms) == ("gpu", 2.2, 1.9)
-    assert "+15.8%" in found.note
-    times = iter([(2.0, 1e-6)])
-    found = timers.check_clocks(gpu.gl, "wall", rounds=1)
-    assert found.gpu_ms is None and "GPU timers are unusable" in found.note

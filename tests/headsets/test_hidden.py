@@ -131,14 +131,6 @@ def test_what_a_view_hides_is_a_hole_as_rendered_and_black_as_shown(gpu, by):
     np.testing.assert_allclose(out.colour[seen], 180, atol=1)
 
 
-def test_corners_that_look_hidden_are_told():
-    corners = tuple(((x, y), (x, y * 0.4), (x * 0.4, y)) for x in (-1.0, 1.0) for y in (-1.0, 1.0))
-    seen = Hidden(corners, SQUARE).seen(SQUARE, (64, 64))
-    colour, depth = np.where(seen[..., None], np.uint8(180), np.uint8(0)).repeat(3, axis=2), np.where(seen, 2.0, 0.0)
-    with pytest.warns(UserWarning, match="corners of colour are black"):
-        warp_image(colour, depth, View(Pose(), SQUARE), View(Pose(), SQUARE))
-
-
 def test_the_mesh_of_a_runtime_is_kept_in_a_file(tmp_path):
     triangles_of = pytest.importorskip("hmdwarp.display.openxr.runtime").triangles_of
     # As XR_KHR_visibility_mask has it: on the plane z = -1, three indices a triangle.
