@@ -19,7 +19,7 @@ from ..frames.layers.pictures import BodyIds
 from ..geometry import DepthLayer, RigidState
 from ..geometry.depth import HALF_STEP
 from ..gpu.context import Gpu
-from ..gpu.textures import COLOUR, NUMBER, SCALAR, allocate, release_all, upload
+from ..gpu.textures import COLOUR, NUMBER, SCALAR, Owner, allocate, release_all, upload
 from ..scenes import Panel, Texture
 from ..sources.array_passes import LINEAR, SRGB
 from .picture_arrays import ENCODINGS, is_one_of
@@ -33,20 +33,17 @@ _MOST = 3.4028234e38  # of a float32
 Pair = tuple[moderngl.Texture, moderngl.Texture]
 
 
-class HeldPicture:
+class HeldPicture(Owner):
     """Colour and inverse depth of one picture, and with a repair how sure the depth is."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], has_confidence: bool) -> None:
-        self.pair = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
+        self.pair = self.own(allocate(gpu.gl, size, COLOUR)), self.own(allocate(gpu.gl, size, SCALAR))
         # rgba16f: confidence in red, coverage in alpha; for a Warper with a repair.
-        self.sure: Any = allocate(gpu.gl, size, COLOUR) if has_confidence else None
+        self.sure: Any = self.own(allocate(gpu.gl, size, COLOUR) if has_confidence else None)
 
     def hold_confidence(self, confidence: NDArray[np.float32]) -> None:
         nothing = np.zeros_like(confidence)
         upload(self.sure, np.stack([confidence, nothing, nothing, confidence > 0], axis=2))
-
-    def close(self) -> None:
-        release_all(*self.pair, *filter(None, [self.sure]))
 
 
 def converted(
@@ -205,12 +202,12 @@ KNOWN = {
 }
 
 
-class CallerLayers:
+class CallerLayers(Owner):
     """The layers that a plan reads and a caller can pass."""
 
     def __init__(self, gpu: Gpu, needs: Needs, rendered_size: Size, shown_size: Size) -> None:
         self._held = {
-            name: HeldLayer(gpu, name, kind, shown_size if kind.is_shown else rendered_size)
+            name: self.own(HeldLayer(gpu, name, kind, shown_size if kind.is_shown else rendered_size))
             for name, kind in KNOWN.items()
             if name in needs
         }
@@ -234,8 +231,3 @@ class CallerLayers:
     def hold(self, passed: Mapping[str, Any]) -> dict[str, Any]:
         """Return what passes read, by name. Errors: InputError."""
         return {name: held.kind.hold(held, passed.get(name, ())) for name, held in self._held.items()}
-
-    def close(self) -> None:
-        """Free all textures."""
-        for held in self._held.values():
-            held.close()

@@ -28,7 +28,7 @@ from ..errors import InputError, in_brief
 from ..frames import EyeImage
 from ..geometry import DepthLayer, View, metres_from_inverse_depth
 from ..gpu.context import Gpu, check_not_forked
-from ..gpu.textures import Canvas, check_size, download
+from ..gpu.textures import Canvas, Owner, check_size, download
 from ..options import AUTO
 from ..pipeline.governor import Change
 from ..pipeline.options import DEFAULT_WARP, SINGLE_FILL
@@ -36,7 +36,7 @@ from ..sources.array_passes import LINEAR, SRGB, SRGB8, GiveOut, PixelBuffers, T
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import about_largest, about_unit
 from .picture_arrays import (
-    RawPicture,
+    CallerPicture,
     about_holes,
     checked_size,
     checked_view,
@@ -178,29 +178,23 @@ class Warper:
         with self._context() as current, ExitStack() as stack:
             check_size(current.gl, self.rendered_size)
             check_size(current.gl, self.size)
-            sizes = self.rendered_size, self.size
+            self._owner = Owner()
+            stack.callback(self._owner.close)
+            own, sizes = self._owner.own, (self.rendered_size, self.size)
             self._compensator: Compensator | AutoCompensator
             if auto is None:
-                self._compensator = Compensator(current, plans[0], None, *sizes)
+                self._compensator = own(Compensator(current, plans[0], None, *sizes))
             else:
-                self._compensator = AutoCompensator(current, auto, *sizes, budget_ms or 0)
-            stack.callback(self._compensator.close)
-            self._layers = CallerLayers(current, self._needs, self.rendered_size, self.size)
-            stack.callback(self._layers.close)
+                self._compensator = own(AutoCompensator(current, auto, *sizes, budget_ms or 0))
+            self._layers = own(CallerLayers(current, self._needs, *sizes))
             count = 1 + self._needs.others.count + self._needs.others.recent
             has_confidence = bool(self.repair.steps)
-            self._pictures = [HeldPicture(current, self.rendered_size, has_confidence) for _ in range(count)]
-            for picture in self._pictures:
-                stack.callback(picture.close)
-            self._take_in, self._give_out = TakeIn(current, self.rendered_size), GiveOut(current, self.size)
-            self._buffers = PixelBuffers(current, count)
-            for passes in (self._take_in, self._give_out, self._buffers):
-                stack.callback(passes.close)
-            self._confidence = Canvas(current.gl, self.size) if has_confidence else None
-            if self._confidence is not None:
-                stack.callback(self._confidence.release)
-            self._cleanup = stack.pop_all()
-        self._dropped = weakref.finalize(self, current.free_later, self._cleanup.close)
+            self._pictures = [own(HeldPicture(current, self.rendered_size, has_confidence)) for _ in range(count)]
+            self._take_in, self._give_out = own(TakeIn(current, sizes[0])), own(GiveOut(current, self.size))
+            self._buffers = own(PixelBuffers(current, count))
+            self._confidence = own(Canvas(current.gl, self.size)) if has_confidence else None
+            stack.pop_all()
+        self._dropped = weakref.finalize(self, current.free_later, self._owner.close)
         self._dropped.atexit = False
 
     def warp(
@@ -244,7 +238,7 @@ class Warper:
     def _warped(
         self,
         gpu: Gpu,
-        pictures: list[tuple[RawPicture, View]],
+        pictures: list[tuple[CallerPicture, View]],
         shown: View,
         layers: Mapping[str, Any],
         age_s: float,
@@ -267,13 +261,13 @@ class Warper:
         kind, found = pictures[0][0].encoding if result is None else result, self._buffers.found
         self._count += 1
         if self.repair.steps:
-            pictures = [(picture.as_checked().raw(), view) for picture, view in pictures]
+            pictures = [(picture.checked(), view) for picture, view in pictures]
         found.clear()
         for number, (held, (picture, _)) in enumerate(zip(self._pictures, pictures, strict=False)):
             mended = picture
             if self.repair.steps:
                 with gpu.timer.cpu_stage("repair"):
-                    mended, confidence = picture.as_checked().repaired(self.repair)
+                    mended, confidence = picture.repaired(self.repair)
                 held.hold_confidence(confidence)
             with gpu.timer.cpu_stage("upload"):
                 sent = self._take_in.send(mended, self._buffers, number)
@@ -308,12 +302,12 @@ class Warper:
         times["host"] = max(whole_ms - sum(times.values()), 0.0)  # their sum is the call
         return WarpedImage(arrays["colour"], arrays["coverage"], times, share, kind, arrays.get("depth_m"))
 
-    def _check_numbers(self, pictures: list[tuple[RawPicture, View]]) -> None:
+    def _check_numbers(self, pictures: list[tuple[CallerPicture, View]]) -> None:
         """Check what the GPU has noted of their numbers. Errors: InputError as checked_picture."""
         self._buffers.found.read()
         for number, (picture, _) in enumerate(pictures):
             if self._buffers.found.is_doubtful(number, self.rendered_size):
-                picture.as_checked()
+                picture.checked()
 
     def warp_textures(
         self,
@@ -414,7 +408,7 @@ class Warper:
         if self._dropped.alive and gpu is not None and not gpu.closed:
             with self._context():
                 self._dropped.detach()
-                self._cleanup.close()
+                self._owner.close()
 
     def __enter__(self) -> Warper:
         return self
@@ -439,13 +433,11 @@ class Warper:
             raise InputError("this Warper was made in another thread, with a context of that thread: call it there")
         return self._own_gpu.current()
 
-    def _notes(self, picture: RawPicture, rendered: View, shown: View, hole_share: float) -> Iterator[str]:
+    def _notes(self, picture: CallerPicture, rendered: View, shown: View, hole_share: float) -> Iterator[str]:
         """Yield what to warn of: depth that is none, or hardly in metres, no picture; each once."""
         if _LARGEST not in self._warned:
-            largest = list[str]()
-            if picture.checked is not None:
-                largest += picture.checked.notes
-            elif self._buffers.found.has_largest(0):
+            largest = list(picture.notes)
+            if picture.light is None and self._buffers.found.has_largest(0):
                 largest += about_largest([picture.depth])
             self._warned.update([_LARGEST] if largest else [])
             yield from largest
@@ -495,7 +487,7 @@ def _pictures(
     others: Sequence[Other],
     depth_scale: float | None,
     encoding: str | None,
-) -> list[tuple[RawPicture, View]]:
+) -> list[tuple[CallerPicture, View]]:
     """Return the picture and the others, each with its view. Errors: InputError."""
     if not isinstance(others, Sequence):
         expected = "a list of (colour, depth_m, view), or () for none"

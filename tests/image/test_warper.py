@@ -109,10 +109,10 @@ def test_arrays_are_taken_over_as_in_float64(kind, encoding, channels, form, gpu
     if form == "masked":
         depth = np.ma.masked_less(depth, 20)
     checked = checked_picture(colour, depth, scale, encoding)
-    covered = ~np.isnan(checked.inverse_depth)
+    covered = ~np.isnan(checked.depth)
     light = np.clip(checked.light, -65504, 65504) * covered[..., None]
     rgba = np.concatenate([light, covered[..., None]], axis=2).astype(np.float32)
-    inverse = np.where(covered, checked.inverse_depth, -1).astype(np.float32)
+    inverse = np.where(covered, checked.depth, -1).astype(np.float32)
     pair = allocate(gpu.gl, (41, 30), COLOUR), allocate(gpu.gl, (41, 30), SCALAR)
     taking, buffers = TakeIn(gpu, (41, 30)), PixelBuffers(gpu, 1)
     found = buffers.found
