@@ -23,7 +23,7 @@ from ..client.plan import Plan
 from ..errors import InputError
 from ..frames import Frame, Needs
 from ..frames.layers import PICTURE
-from ..geometry import Eyes, Guard, GuardBand, Pose, looking
+from ..geometry import Eyes, Guard, GuardBand, Pose, View, looking
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..link import LinkOptions, scaled_size
@@ -133,7 +133,10 @@ class ServerFrames(FrameSource):
         asked, timer = self.requested, self.server.gpu.timer
         is_seen = now_ns < self.unseen_from_ns
         with timer.stage("render"):
-            views, size, guard = looking(self.eyes.views(head.pose), head.gaze), asked.size, asked.guard
+            views: Sequence[View] = self.eyes.views(head.pose)
+            if head.gaze is not None:
+                views = looking(views, head.gaze)
+            size, guard = asked.size, asked.guard
             if scale != 1:
                 size, guard = scaled_size(asked.size, scale), GuardBand.of(asked.guard).factors(asked.size)
             frame = self.server.draw_frame(

@@ -18,7 +18,7 @@ from ..errors import InputError
 from ..geometry import Pose
 from . import quaternions
 from .assumptions import assumption_rows
-from .predictors import predictors
+from .predictors import Predictor, predictors
 from .reading.cleaning import LoadedTrace
 from .track import SACCADE_DEG_S, Gaze, Origin, PoseSample, PoseTrack
 
@@ -102,16 +102,16 @@ _FAR = 95  # percentile of lead and lag
 
 
 def predict(
-    track: PoseTrack, now_ns: int, target_ns: int, method: str = "cautious", horizon_ns: int | None = None
+    track: PoseTrack, now_ns: int, target_ns: int, method: str | Predictor = "cautious", horizon_ns: int | None = None
 ) -> PoseSample:
     """Return the head pose at `target_ns` as known at `now_ns`; ignore every sample after `now_ns`.
 
-    method: name of a predictor. horizon_ns: how far ahead of the last sample at most, by default
-    the predictor's own; beyond it the pose stays constant. A target at or before the last known
-    sample is looked up, not predicted. The gaze is the last known one, held in the world.
+    method: a predictor or its name. horizon_ns: how far ahead of the last sample at most, by
+    default the predictor's own; beyond it the pose stays constant. A target at or before the last
+    known sample is looked up, not predicted. The gaze is the last known one, held in the world.
     Errors: UnknownNameError; InputError for a negative horizon.
     """
-    predictor = predictors.get(method)
+    predictor = predictors.get(method) if isinstance(method, str) else method
     horizon_ns = predictor.horizon_ns if horizon_ns is None else horizon_ns
     if horizon_ns < 0:
         raise InputError(f"prediction horizon {horizon_ns / 1e6:g} ms: expected 0 or more")

@@ -47,6 +47,7 @@ from ..pipeline.sizes import (
 from ..pipeline.source import MomentOf, PoseRequest, Source, Target, client_scene, joined, motion_notes
 from ..poses import LoadedTrace, PoseSample, PoseSource, PoseTrack, RecordedSource, foreseen_gaze, load_trace
 from ..poses.prediction import predict
+from ..poses.predictors import predictors
 from ..poses.track import Gaze, Moment
 from ..scenes import Scene, take_inputs
 from ..sources.server import Renderer
@@ -188,8 +189,10 @@ class Run(Generic[Options]):
         assert options.size is not None and screen is not None
         rate_hz = options.rate_hz or screen.rate_hz
 
+        predictor, horizon_ns = predictors.get(options.predict), options.horizon_ns
+
         def predicted(now_ns: int, ahead_ns: int) -> PoseSample:
-            return predict(known(now_ns), now_ns, now_ns + ahead_ns, options.predict, options.horizon_ns)
+            return predict(known(now_ns), now_ns, now_ns + ahead_ns, predictor, horizon_ns)
 
         def gaze(now_ns: int, ahead_ns: int, head: Pose) -> Gaze | None:
             return foreseen_gaze(known(now_ns), now_ns, ahead_ns if options.gaze == PREDICTED_GAZE else 0, head)
