@@ -406,11 +406,11 @@ class View:
 
     def at(self, pose: Pose) -> View:
         """Return the same eye at another pose, which is not checked."""
-        return _trusted_view(pose, self.fov, self.head_from_eye, self.hidden, self.gaze)
+        return _like(self, pose=pose)
 
     def within(self, fov: Fov) -> View:
         """Return the view with a guard band, or without: its hidden area goes along."""
-        return _trusted_view(self.pose, fov, self.head_from_eye, self.hidden and self.hidden.within(fov), self.gaze)
+        return _like(self, fov=fov, hidden=self.hidden and self.hidden.within(fov))
 
     def seen(self, size: Size) -> NDArray[np.bool_]:
         """Return (h, w): which pixels can be seen, the top row first."""
@@ -431,15 +431,12 @@ class View:
 _set = object.__setattr__
 
 
-def _trusted_view(pose: Pose, fov: Fov, head_from_eye: Pose, hidden: Hidden | None, gaze: Gaze | None) -> View:
+def _like(view: View, **changed: object) -> View:
     """Return View(..) of what another view had, without a check: every refresh makes six."""
-    view = View.__new__(View)
-    _set(view, "pose", pose)
-    _set(view, "fov", fov)
-    _set(view, "head_from_eye", head_from_eye)
-    _set(view, "hidden", hidden)
-    _set(view, "gaze", gaze)
-    return view
+    made = View.__new__(View)
+    for name in ("pose", "fov", "head_from_eye", "hidden", "gaze"):
+        _set(made, name, changed.get(name, getattr(view, name)))
+    return made
 
 
 class Eyes(Protocol):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shlex
 
-import pytest
 from bench_files import a_bench
 
 from .conftest import complaints
@@ -14,12 +13,6 @@ QUICK = (
     "--scene", "planes", "--headset", "rift-dk1", "--size", "48x40", "--seconds", "0.3", "--instants", "1",
     "--rounds", "1", "--workers", "0", "--guard", "1.1",
 )  # fmt: skip
-
-
-@pytest.fixture(autouse=True)
-def small_copies(monkeypatch):
-    """The copy that both clocks time is of 1 MiB."""
-    monkeypatch.setattr("hmdwarp.gpu.timers._CHECK_BYTES", 1 << 20)
 
 
 def test_lists_by_repetition_and_by_commas(command, tmp_path):

@@ -7,7 +7,7 @@ import numpy as np
 import hmdwarp
 from hmdwarp.client import parse_warp
 from hmdwarp.frames.layers import PICTURE
-from hmdwarp.geometry import Pose, View, inverse_depth_from_clip, metres_from_inverse_depth
+from hmdwarp.geometry import DepthLayer, Pose, View, metres_from_inverse_depth
 
 from .motions import SLANTED, stepped_depth
 from .registry import TWIN, hard_case, twin_case
@@ -76,7 +76,7 @@ def two_surfaces_at_equal_depth(gpu, name):
 def sixteen_bit_depth(gpu, name):
     """2e-4 1/m steps make terraces: neighbouring pixels share a depth, then jump."""
     code = np.rint((1 / 0.1 - SLANTED) / (1 / 0.1 - 1 / 100) * 65535) / 65535
-    coarse = inverse_depth_from_clip(code, 0.1, 100.0)
+    coarse = DepthLayer(0, 1, 0.1, 100.0).inverse_depth(code)
     assert 0 < np.abs(coarse - SLANTED).max() < 1e-4
     exact, quantised = (list(Setting(gpu, depth, STEP).pictures(name)) for depth in (SLANTED, coarse))
     for a, b in zip(exact, quantised, strict=True):
@@ -92,7 +92,7 @@ def ill_conditioned_projection(gpu, name):
     loses all digits."""
     near, far = 1e-3, 1e3
     window = (1 / near - SLANTED) / (1 / near - 1 / far) * 2 - 1
-    decoded = inverse_depth_from_clip(window.astype(np.float32), near, far, ndc="minus_one_to_one")
+    decoded = DepthLayer(-1, 1, near, far).inverse_depth(window.astype(np.float32))
     # One step of a float32 just below 1 is 2^-24; the buffer's 0..2 span 1000 1/m: half a step is
     # 1.5e-5, plus rounding of `window`.
     assert np.abs(decoded - SLANTED).max() <= 6e-5

@@ -22,7 +22,6 @@ from ...client.classes import Client, load_client
 from ...client.plan import needs_of
 from ...errors import HmdwarpError, InputError, MachineError
 from ...gpu.context import Gpu
-from ...gpu.timers import check_clocks
 from ...headsets import Headset
 from ...metrics import (
     BOUND,
@@ -194,7 +193,7 @@ MOST_CROPS = 3  # cases of a page that have crops: a megabyte each
 def examined() -> tuple[dict[str, Any], float]:
     """Return what bench.json says of this machine, and most_bytes: once in each process."""
     with Gpu() as gpu:
-        clocks = check_clocks(gpu.gl, gpu.timer.clock)
+        clocks = gpu.timer.check
         about = {
             "machine": {**machine_of(gpu), "host": platform.node()},
             "clock": clocks.clock,
