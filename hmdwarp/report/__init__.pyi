@@ -82,4 +82,3 @@ from .thesis_page import render_thesis_page as render_thesis_page
 from .trace_plot import headset_plot_png as headset_plot_png
 from .trace_plot import trace_plot_png as trace_plot_png
 from .video import VideoWriter as VideoWriter
-from .video import available_encoders as available_encoders

@@ -1,11 +1,11 @@
 """Charts as SVG: what all of them share, lines over time, numbered points, frames in transit.
 
-How they look: the colours and shapes that tell warps, lines and regions apart.
+How they look: the colours and shapes that tell warps and lines apart.
 
 The colours are those of Okabe and Ito (2008, Color Universal Design), as dark as white paper needs
 or as pale as dark paper needs. Of one who sees no green (Machado, Oliveira and Fernandes 2009) all
 eight are at least 15 apart (CIEDE2000); a test computes it. Colour is never alone: warps differ in
-the shape too, lines in the dashes, regions in the hatching.
+the shape too, lines in the dashes.
 
 Charts of a page take their colours and font from the page around them, so that one chart serves
 light and dark: Matplotlib writes stand-in colours, and charts.svg_text() replaces them by the
@@ -38,17 +38,13 @@ _SERIES = (
 )  # fmt: skip
 # As many as have no factor in common with the colours: 56 pairs before one comes again.
 _SHAPES = ("o", "s", "^", "D", "v", "P", "X")
-_REGIONS = (("#11161d", "#ffffff"), ("#4a5563", "#c3ccd6"), ("#8e9aa8", "#8e9aa8"), ("#d5dbe2", "#3c4652"))
-HATCHES = ("", "....", "////", "")
 
 # Stand-in colours, all of one length, and the CSS variables that replace them.
 INK, GRID = "#010101", "#020202"
 SERIES = tuple(f"#0500{number:02x}" for number in range(len(_SERIES)))
-REGION_COLOURS = tuple(f"#0600{number:02x}" for number in range(len(_REGIONS)))
-_TONES = dict(zip((*SERIES, *REGION_COLOURS), (*_SERIES, *_REGIONS), strict=True))
+_TONES = dict(zip(SERIES, _SERIES, strict=True))
 CSS_VARIABLES = {INK: "--chart-ink", GRID: "--chart-grid"}
 CSS_VARIABLES |= {stand_in: f"--series-{number}" for number, stand_in in enumerate(SERIES, 1)}
-CSS_VARIABLES |= {stand_in: f"--region-{number}" for number, stand_in in enumerate(REGION_COLOURS)}
 # What a chart of a page has on white paper, by stand-in.
 PAPER_COLOURS = {INK: "#30373f", GRID: "#e2e6ea", **{stand_in: light for stand_in, (light, _) in _TONES.items()}}
 
@@ -393,6 +389,48 @@ def draw_spots(axes: Axes, spots: Sequence[Spot], *, higher: bool = False) -> No
         axes.plot(*zip(*own, strict=True), color=look.color, linewidth=0.7, alpha=0.6, zorder=1)
     numbers = {index: spot.number for index, spot in enumerate(spots) if spot.number is not None}
     draw_numbers(axes, numbers, np.stack([cost, error], axis=1), is_best)
+
+
+_BESIDE_IN = (7.7, 4.2)  # right end of the axes and least height, with the names at the right
+_ABOVE: Style = {"xycoords": "axes fraction", "textcoords": "offset points"}
+_KEY: Style = {
+    "borderaxespad": 0.1, "handletextpad": 0.3, "columnspacing": 1.2, "borderpad": 0.2, "handlelength": 1.5,
+}  # fmt: skip
+
+
+def spots_chart(
+    content: object, spots: Sequence[Spot], names: Mapping[int, str], *, x: str, y: str, higher: bool = False,
+    width_in: float | None = None, font_size: float = 9,
+) -> Drawn:  # fmt: skip
+    """Draw methods' error against a cost as an <svg> element, with the names of their numbers.
+
+    names: by number. higher: whether a higher value of y is better. width_in: names stand below;
+    None has them at the right.
+    """
+    marks = [spot.mark(names[spot.number]) for spot in spots if spot.number is not None]
+    line, letter = 0.021 * font_size, 0.0088 * font_size
+    longest, place = max((len(one.get_label()) for one in marks), default=0), {"loc": "upper left", "ncols": 1}
+    if width_in is None:
+        right, least = _BESIDE_IN
+        size = (right + 0.4 + letter * longest, max(least, line * len(marks) + 0.2))
+        box, place["bbox_to_anchor"] = (0.62, 0.5, right, size[1] - 0.36), ((right + 0.1) / size[0], 1)
+    else:
+        place["ncols"] = max(1, int(width_in / (0.3 + letter * longest)))
+        foot = line * -(-len(marks) // place["ncols"]) + 0.1
+        size, place["bbox_to_anchor"] = (width_in, foot + 2.8), (0, foot / (foot + 2.8))
+        box = (0.5, foot + 0.4, width_in - 0.08, foot + 2.5)
+    with canvas((content, width_in), size, x=x, y=y, box=box, font_size=font_size) as axes:
+        draw_spots(axes, spots, higher=higher)
+        if spots:
+            axes.annotate("better ↖" if higher else "better ↙", (1, 1), (0, 4), **_ABOVE, ha="right", color=INK)
+        key = mark("Pareto front (filled, bold)", linewidth=1.1, alpha=0.55)
+        legend(axes, [key], loc="lower left", bbox_to_anchor=(0, 1), **_KEY)
+        legend(axes.figure, marks, **place, **_KEY)
+        drawn = svg_text(axes.figure)
+    drawn.at_width = lambda wide: spots_chart(
+        content, spots, names, x=x, y=y, higher=higher, width_in=wide, font_size=7
+    )
+    return drawn
 
 
 # (label, colour, opacity, hatch): the server's work, the network and the client's have a colour

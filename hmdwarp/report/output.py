@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import sys
-import uuid
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +21,7 @@ from ..metrics import QUALITY, STAGES
 from ..options.documents import json_in
 from ..options.named_files import RESULTS
 from ..resources import __version__
-from .files import keep_private, lock, write_bytes, write_csv, write_error, write_json, write_png, write_text
+from .files import Partial, keep_private, write_bytes, write_csv, write_error, write_json, write_png, write_text
 
 STAGING = ".partial-"
 MARK = "hmdwarp"  # key of the version in the last file of a folder, by which it is known as ours
@@ -67,18 +65,17 @@ class OutputFolder:
         self._owned, self._last = tuple(owned), last
         self._may_replace = force
         self._made: Path | None = None
-        self._staging = self.folder / f"{STAGING}{uuid.uuid4().hex[:8]}"
-        self._lock = -1
+        self._staged: Partial | None = None
         try:
             missing = [p for p in (self.folder, *self.folder.parents) if not p.exists()]
             self._made = missing[-1] if missing else None
             self.folder.mkdir(parents=True, exist_ok=True)
-            with _locked(self.folder):  # else another run takes a folder just made for one left behind
-                # One that was killed while it gave the names has no `last` next to them.
-                self._may_replace |= self._clean_up()
-                self._refuse_others(path for pattern in (*self._owned, last) for path in self.folder.glob(pattern))
-                self._staging.mkdir(mode=0o700 if private else 0o777)
-                self._lock = _lock(self._staging)
+            mode = 0o700 if private else 0o777
+            self._staged = Partial.make(self.folder, STAGING, mode=mode, is_folder=True, last=last)
+            self._staging = self._staged.path
+            # A run that was killed while it gave the names has no `last` next to them.
+            self._may_replace |= bool(self._staged.ended)
+            self._refuse_others(path for pattern in (*self._owned, last) for path in self.folder.glob(pattern))
             probe = self._staging / "probe"
             with probe.open("wb") as file:
                 file.write(bytes(4096))  # a file of 0 bytes fits on a full disk
@@ -149,18 +146,7 @@ class OutputFolder:
                 (self._staging / name).replace(current)
         except OSError as error:
             raise write_error(error, current) from error
-        self._remove_staging()
-
-    def _clean_up(self) -> bool:
-        """Delete what killed runs left; return whether one of them was giving the names."""
-        interrupted = False
-        for left in self.folder.glob(f"{STAGING}*"):
-            if (lock := _lock(left)) < 0:
-                continue  # of a run that still lives
-            interrupted |= (left / self._last).exists()
-            shutil.rmtree(left, ignore_errors=True)
-            os.close(lock)
-        return interrupted
+        self._staged.close()
 
     def _refuse_others(self, paths: Iterable[Path]) -> None:
         """Refuse to overwrite what another program wrote. Errors: InputError naming the first."""
@@ -177,15 +163,10 @@ class OutputFolder:
                     "it with --force"
                 )
 
-    def _remove_staging(self) -> None:
-        shutil.rmtree(self._staging, ignore_errors=True)
-        if self._lock >= 0:
-            os.close(self._lock)
-            self._lock = -1
-
     def discard(self) -> None:
         """Delete the files written so far, and the folder if this made it and it is empty."""
-        self._remove_staging()
+        if self._staged is not None:
+            self._staged.close()
         folder = self.folder
         while self._made is not None and folder.is_relative_to(self._made):
             try:
@@ -208,28 +189,6 @@ class OutputFolder:
         except BaseException:
             self.discard()
             raise
-
-
-@contextmanager
-def _locked(folder: Path) -> Iterator[None]:
-    """Keep other runs from looking for staging folders while the block lasts."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        lock(handle, wait=True)
-        yield
-    finally:
-        os.close(handle)
-
-
-def _lock(folder: Path) -> int:
-    try:
-        handle = os.open(folder, os.O_RDONLY)
-    except OSError:
-        return -1
-    if lock(handle):
-        return handle
-    os.close(handle)
-    return -1
 
 
 SCHEMA = 1

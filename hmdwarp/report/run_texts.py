@@ -142,19 +142,30 @@ class Table:
         lines = [heads, rule, *([cell.text for cell in line.cells] for line in self.lines)]
         return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
-    def terminal(self, columns: Sequence[int], **options: Any) -> TerminalTable:
-        """Return these columns for the terminal; the best of a line has a star."""
+    def terminal(self, columns: Sequence[int] = (), **titles: str) -> TerminalTable:
+        """Return these columns, or all, for the terminal: heads above units, the best bold.
+
+        Names fold where there is no room. A marked line begins with a star; in a table without
+        marks the best has one.
+        """
         from rich.text import Text
 
-        table = terminal_table(padding=(0, 1), **options)
+        columns = columns or range(len(self.heads))
+        table = terminal_table(["*"] * self.has_marks, **{name: Text(text) for name, text in titles.items()})
         for at in columns:
-            dim = "dim" if self.style_of(at) == "tail" else None
-            table.add_column(self.heads[at][0], justify="right" if at else "left", style=dim)
+            is_name, dim = at == 0 or self.style_of(at) == "word", "dim" if self.style_of(at) == "tail" else None
+            how: Any = {"justify": "left" if is_name else "right", "overflow": "fold", "no_wrap": not is_name}
+            table.add_column("\n".join(filter(None, self.heads[at])), style=dim, **how)
         for line in self.lines:
-            if line.group and table.rows:
+            if line.group:
                 table.add_section()
-            cells = [(cell.text, cell.style == "best") for cell in (line.cells[at] for at in columns)]
-            table.add_row(*(Text(f"{text} *", "bold green") if is_best else Text(text) for text, is_best in cells))
+                table.add_row(*[""] * self.has_marks, Text(line.group, "bold"))
+            cells = [Text("*" * line.is_marked, "bold green")] * self.has_marks
+            for cell in (line.cells[at] for at in columns):
+                is_best = cell.style == "best"
+                starred = is_best and not self.has_marks
+                cells.append(Text(cell.text + " *" * starred, ("bold green" if starred else "bold") if is_best else ""))
+            table.add_row(*cells)
         return table
 
     def text(self) -> str:

@@ -52,11 +52,6 @@ def _size(value: Any) -> Size:
     return sides
 
 
-def parquet_field() -> Any:
-    """Return the field that asks for the table as Parquet too."""
-    return option(False, "Write the table as bench.parquet too; needs pyarrow.")
-
-
 DEFAULT_SIZES = ((1280, 800),)
 
 
@@ -135,16 +130,9 @@ class BenchOptions(RecordedOptions):
         help="Also rate a clip of this many seconds that ends at each instant, with ColorVideoVDP "
         "(pip install '.[jod]'); slow.",
     )
-    # All combinations are measured; the front and the budget are for those that it can run.
-    client: str = same_as(
-        _RUN.client, PICTURE_CLIENT, help="Client for the Pareto front and --budget; everything is measured."
-    )
-    # Chooses the most accurate combination within it.
-    budget_ms: float | None = same_as(
-        _RUN.budget_ms, help="Milliseconds for one eye: name the most accurate combination within them."
-    )
+    # All combinations are measured; the front is of those that it can run.
+    client: str = same_as(_RUN.client, PICTURE_CLIENT, help="Client for the Pareto front; everything is measured.")
     out: Path = out_field(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.")
-    parquet: bool = parquet_field()
     paper: PaperOptions = group(PaperOptions)
 
     @classmethod
@@ -165,7 +153,6 @@ class MergeOptions(Declared):
         parse=lambda texts: tuple(path_of(text, "DIR") for text in texts),
     )  # fmt: skip
     out: Path = out_field(attrs.NOTHING, "Folder for bench.csv, bench.json and bench.html of all.")
-    parquet: bool = parquet_field()
     force: bool = force_field()
     command: str = ""
 

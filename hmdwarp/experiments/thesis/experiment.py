@@ -18,9 +18,9 @@ import attrs
 
 from ...errors import InputError, are_digits, unknown_name
 from ...link.codec import EXACT
-from ...options import group, option, out_field, same_as
+from ...options import option, out_field, same_as
 from ...run import RunOptions
-from ..sweep.options import ExperimentOptions, KeptOptions, own_first
+from ..sweep.options import ExperimentOptions, own_first
 
 # Of the head, in m/s; of its rotation, in deg/s. 30 and 113 are the median and the 95th percentile
 # of recorded heads.
@@ -466,7 +466,6 @@ class ThesisOptions(ExperimentOptions):
         _RUN.size,
         help=f"Pixels of one eye, by default {FULL_SIZE[0]}x{FULL_SIZE[1]}; streams keep those of the thesis.",
     )
-    sweep: KeptOptions = group(KeptOptions)
 
     def __attrs_post_init__(self) -> None:
         experiments_named(self.only)

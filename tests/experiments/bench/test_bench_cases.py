@@ -10,14 +10,14 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import BenchOptions, bench
-from hmdwarp.experiments.sweep.options import SweepOptions
+from hmdwarp.experiments.sweep.options import KeptOptions
 from hmdwarp.resources import folder
 
 TINY = BenchOptions(
     warps=("rotation",), fills=("none",), latencies_ms=(50.0, 100.0), scenes=("planes",), sizes=((48, 40),),
     headset="rift-dk1", rate_hz=60.0, seconds=0.3, guard=1.1, instants=1, rounds=1, workers=0,
 )  # fmt: skip
-AGAIN = SweepOptions(resume=True)
+AGAIN = KeptOptions(resume=True)
 
 
 @pytest.fixture

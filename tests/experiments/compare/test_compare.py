@@ -24,7 +24,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import CompareOptions, compare
 from hmdwarp.experiments.bench.compare_run import client_bytes, decoded_mpx_s, start_bytes, unfit
 from hmdwarp.experiments.bench.suite_means import compared_entry, over_all
-from hmdwarp.experiments.bench.suites import cost_text, suites
+from hmdwarp.experiments.bench.suites import suites
 from hmdwarp.frames import EyeSizes
 from hmdwarp.report.bench.rows import first_cases
 from hmdwarp.report.compare_page import OF_COMPARE, compare_page
@@ -252,18 +252,6 @@ def test_a_suite_says_scenes_people_and_links_and_foresees_no_motion_unless_aske
         assert lived == {(rate, loss) for rate in (10, 25, 50, 100) for loss in (0.0, 0.01)}
         assert options.latencies_ms == (50, 100, 200, 400, 800) and options.strategies == ()
         assert len(options.recordings) * options.seconds >= 30
-
-
-def test_the_cost_of_a_suite_is_of_all_that_is_drawn():
-    """Not of what is measured alone; a run costs something whatever it draws."""
-
-    def minutes(drawn: int) -> int:
-        told = cost_text("brief", [(160, 100)] * 600, [8] * 600, 0, [drawn] * 600)
-        return int(re.search(r"take about (\d+) min of one core", told)[1])
-
-    assert minutes(0) == 25  # 600 times 2.5 s
-    assert minutes(840) - minutes(0) == pytest.approx(10 * (minutes(84) - minutes(0)), abs=10)  # rounded up to minutes
-    assert minutes(84) > minutes(0)
 
 
 def test_a_suite_is_run_over_its_scenes_and_links_and_says_its_cost_first(tmp_path):
