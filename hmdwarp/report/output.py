@@ -6,6 +6,7 @@ the command that made it; `force` (`--force`) overrides it.
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 import sys
@@ -252,8 +253,15 @@ def summary_faults(summary: Any) -> list[str]:
     for key, expected, fits in _CHECKS:
         if key in summary and not fits(summary[key]):
             faults.append(f"'{key}' is {summary[key]!r}, expected {expected}")
-    faults += _table_faults(summary, "time_ms", STAGES, ("median", "p95"))
-    faults += _table_faults(summary, "quality", QUALITY, ("mean", "p95"))
+    for table, names, middle in (("time_ms", STAGES, "median"), ("quality", QUALITY, "mean")):
+        for name, figure in itertools.product(names if table in summary else (), (middle, "p95")):
+            try:
+                value = summary[table][name][figure]
+            except (LookupError, TypeError):
+                faults.append(f"'{table}.{name}.{figure}' is missing")
+            else:
+                if value is not None and not _is_number(value):
+                    faults.append(f"'{table}.{name}.{figure}' is {value!r}, expected a finite number or null")
     return faults
 
 
@@ -299,18 +307,3 @@ _CHECKS: tuple[tuple[str, str, Callable[[Any], bool]], ...] = (
     ("predict", "a text", _is_text),
     ("strategy", "a text", _is_text),
 )
-
-
-def _table_faults(summary: Mapping[str, Any], key: str, names: tuple[str, ...], figures: tuple[str, ...]) -> list[str]:
-    table = summary.get(key, {})
-    if not isinstance(table, Mapping):
-        return [f"'{key}' is {table!r}, expected an object"]
-    faults = []
-    for name in names if key in summary else ():
-        entry = table.get(name)
-        if not isinstance(entry, Mapping) or not set(figures) <= set(entry):
-            faults.append(f"'{key}.{name}' is {entry!r}, expected {' and '.join(figures)}")
-            continue
-        bad = [f for f in figures if entry[f] is not None and not _is_number(entry[f])]
-        faults += [f"'{key}.{name}.{f}' is {entry[f]!r}, expected a finite number or null" for f in bad]
-    return faults

@@ -5,18 +5,18 @@ from __future__ import annotations
 import functools
 import math
 import re
+import textwrap
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from decimal import ROUND_HALF_UP, Decimal
 from importlib import resources
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import attrs
 from markupsafe import Markup
 
 from .. import errors
-from ..metrics import JOD, STAGES, Figure, metrics, metrics_in_order
+from ..metrics import JOD, STAGES, Figure, metrics_in_order
 
 if TYPE_CHECKING:
     from rich.table import Table as TerminalTable
@@ -155,7 +155,9 @@ class Table:
         for at in columns:
             is_name, dim = at == 0 or self.style_of(at) == "word", "dim" if self.style_of(at) == "tail" else None
             how: Any = {"justify": "left" if is_name else "right", "overflow": "fold", "no_wrap": not is_name}
-            table.add_column("\n".join(filter(None, self.heads[at])), style=dim, **how)
+            label, unit = self.heads[at]
+            head = "\n".join([*textwrap.wrap(label, 60 if is_name else 10), *([unit] if unit else [])])
+            table.add_column(head, style=dim, **how)
         for line in self.lines:
             if line.group:
                 table.add_section()
@@ -361,36 +363,6 @@ def transit_lines(summary: Summary) -> list[str]:
     return lines
 
 
-def live_lines(summary: Summary, folder: Path | None) -> list[str]:
-    """Return the lines that end a live run. summary: empty if no picture was shown."""
-    if not summary:
-        return ["no picture was shown"]
-    live, drawn = summary["live"], "drawing" if "recorded" not in summary else "reading"
-    of_refresh = f", of {live['budget_ms']:.2f} ms for a refresh"
-    share, longest, judder = miss_texts(summary["miss"])
-    rate = f", {(live['refreshes'] - 1) / live['seconds']:.1f} a second" if live["seconds"] > 0 else ""
-    missed = f"{live['missed']} missed ({share} %, at most {longest} in a row)" if live["missed"] else "none missed"
-    missed += f": {waits}" if (waits := waited_text(live)) else ""
-    entry, text = summary["quality"]["hole_share"], metrics.get("hole_share").figure.text
-    holes = "" if entry["mean"] is None else f"{text(entry['mean'])} %, p95 {text(entry['p95'])}"
-    times, clock = summary["time_ms"], "" if summary["clock"] == "gpu" else ", by the wall clock"
-    stages = [(figure.name, times[figure.name]["median"]) for figure in TIME_FIGURES[:-1]]
-    parts = [f"{name} {median:.2f}" for name, median in stages if median]
-    figures = [
-        ("shown", f"{counted(live['refreshes'], 'picture')} in {live['seconds']:.1f} s{rate}; {missed}"),
-        ("judder", f"{judder} deg RMS" if live["missed"] else ""),
-        ("frame age at display", _pair(live["age_ms"])),
-        ("pose age at submission", _pair(live["pose_age_ms"])),
-        ("frame interval", _pair(live["period_ms"])),
-        ("time per eye", _pair(times["total"], f": {', '.join(parts) or 'no pass ran'}{clock}")),
-        (f"{drawn} and {eyes_text(summary)}", _pair(live["refresh_ms"]["total"], of_refresh)),
-        ("holes before the fill", holes),
-    ]
-    lines = [f"{label:<24}{text}" for label, text in figures if text]
-    lines += [f"note: {note}" for note in summary["notes"]]
-    return lines + ([f"report: {folder / 'report.html'}"] if folder is not None else [])
-
-
 def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
     """Return (part, median ms of all eyes, p95 ms, share) of a refresh, then the sum."""
     live = summary["live"]
@@ -411,7 +383,3 @@ def waited_text(live: Mapping[str, Any]) -> str:
     if live["missed"] or share < _HARDLY:
         return ""
     return f"this display waits for each picture, and {share:.0%} took longer than a refresh"
-
-
-def _pair(entry: Mapping[str, float | None], more: str = "") -> str:
-    return "" if entry["median"] is None else f"{entry['median']:.2f} ms, p95 {entry['p95']:.2f}{more}"

@@ -202,8 +202,7 @@ def test_numbers_stand_beside_their_points_and_apart():
 @pytest.mark.parametrize("width_in", [3.35, 7.0])
 def test_a_chart_for_a_column_of_a_paper_is_a_picture_on_white(width_in):
     (case,) = cases([*some_rows(traces=("walk",), latencies=(200.0,)), a_row(NASTY, trace="walk")])
-    chart = pareto_chart(case).at_width(width_in)
-    with Image.open(io.BytesIO(paper_bytes(chart, "png"))) as image:
+    with Image.open(io.BytesIO(paper_bytes(pareto_chart(case), "png", width_in))) as image:
         picture = np.asarray(image.convert("RGB"))
     assert picture.shape[1] == pytest.approx(200 * width_in, abs=1) and (picture[0] == 255).all()
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 50

@@ -14,7 +14,7 @@ from hmdwarp.report.bench.page import bench_page
 from hmdwarp.report.bench.rows import COLUMNS, cases
 
 from .bench_samples import a_bench, a_row, some_rows
-from .test_page import Page, addresses, in_chromium, probe_of
+from .test_page import Page, in_chromium, probe_of
 
 WARPS = ("none", "rotation", "forward", "backward", "mesh_adaptive", "iterative:seed=forward,steps=3")
 COMMAND = 'hmdwarp bench --out "<folder>" & more'
@@ -34,7 +34,7 @@ def test_everything_is_on_the_page(text):
     page, data = Page(text), a_small_bench()
     wanted = [COMMAND, "The trace is <short>.", "iterative: seed=forward, steps=3"]  # a narrow screen may break it
     words = "6 warps × 2 fills|in 2 cases|look-around|200 ms and 800 ms|scene room|llvmpipe (LLVM 15.0.6, 256 bits)"
-    words += "|Mesa 22.3.6|wall clock around finished GPU work|– / 4.18|7.2 min|GPU timer check"
+    words += "|Mesa 22.3.6|wall clock around finished GPU work|7.2 min"
     words += "|1280x800|The GPU timer answers 1 ns|Rule: the least"
     words += "|look-around, 800 ms: mesh_adaptive + interpolate wins by FLIP."
     wanted += words.split("|")
@@ -61,18 +61,6 @@ def test_the_tables_can_be_read_without_seeing_them(text):
     links = {value[1:] for tag, name, value in attributes if (tag, name) == ("a", "href")}
     assert links <= {value for tag, name, value in attributes if (tag, name) == ("section", "id")} and len(links) == 4
     assert page.tags.count("h1") == 1 and 'lang="en"' in text
-
-
-def test_the_page_fetches_no_file(text):
-    page = Page(text)
-    found = addresses(page)
-    assert found and all(a.startswith("#") for a in found) and "img" not in page.tags
-    ids = [value for _, name, value in page.attributes if name == "id"]
-    assert len(ids) == len(set(ids))
-    assert set(re.findall(r"url\((.)", text)) <= {"#"}
-    # By the styles, or by the page's script.
-    used, given = set(re.findall(r"var\((--[\w-]+)\)", text)), set(re.findall(r'(--[\w-]+)(?::|", )', text))
-    assert used <= given
 
 
 def everything_nasty(value, nasty: str):
@@ -125,17 +113,12 @@ def test_notes_of_rows_stand_once_and_the_data_are_left_as_they_were():
         assert text in Page(html).text
 
 
+# Of the versions of a chart one is shown, by the choice of the measure.
 PROBE = probe_of(
-    """
-    charts, before, after: [seen(".by-flip svg"), seen(".by-psnr_db svg")],
-    point: getComputedStyle(document.querySelector(".chart use[style*='--series-2']")).stroke,
-    stars: document.querySelectorAll(".starred .star").length,
-""",
+    "before, after: [seen('.by-flip svg'), seen('.by-psnr_db svg')]",
     """
   const seen = s => [...document.querySelectorAll(s)].filter(e => e.getBoundingClientRect().width > 0).length;
   const before = [seen(".by-flip svg"), seen(".by-psnr_db svg")];
-  document.querySelectorAll("details").forEach(e => { e.open = true; });
-  const charts = [...document.querySelectorAll("svg")].map(box).filter(b => b[0]);
   document.querySelectorAll("input[value=psnr_db]").forEach(e => e.click());
 """,
 )
@@ -143,13 +126,6 @@ PROBE = probe_of(
 
 @pytest.mark.slow
 @needs.programs("chromium")
-@pytest.mark.parametrize("width, dark", [(1280, False), (500, True)])
-def test_whole_quiet_and_alone_in_chromium(text, width, dark, tmp_path):
-    found, console = in_chromium(text, tmp_path, width=width, dark=dark, probe=PROBE)
-    assert console == "" and found["faults"] == [] and found["requests"] == [] and found["stars"] > 4
-    assert found["before"] == [2, 0] and found["after"] == [0, 2]  # two cases, by FLIP until PSNR is chosen
-    assert len(found["charts"]) == 2 and all(w > 300 and h > 100 for w, h in found["charts"])
-    assert found["wider"] <= 0  # tables and charts scroll in their own boxes
-    darkness = sum(map(int, re.findall(r"\d+", found["paper"])[:3]))
-    assert darkness < 150 if dark else darkness > 600
-    assert found["point"] == ("rgb(239, 200, 161)" if dark else "rgb(131, 89, 0)")
+def test_a_measure_is_chosen_for_all_charts_in_chromium(text, tmp_path):
+    found, console = in_chromium(text, tmp_path, probe=PROBE)
+    assert console == "" and (found["before"], found["after"]) == ([2, 0], [0, 2])

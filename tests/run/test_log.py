@@ -187,8 +187,8 @@ def test_events_are_listed(monkeypatch, tmp_path):
     assert result.summary["latency_ms"] == 30.0 and max(ages) == pytest.approx(50.0)
     told = "\n".join(result.describe())
     assert (
-        "; 2 missed (" in told
-        and "at most 2 in a row)" in told
+        "Missed refreshes:" in told
+        and "at most 2 in a row;" in told
         and "Settings were changed 2 times" in told
         and "the runtime is gone" in told
     )

@@ -265,9 +265,6 @@ def run_on_cluster(work: Work, cases: Sequence[SweepCase], cluster: str, say: Sa
             log = logging.getLogger(name)
             log.handlers, log.propagate = [logging.NullHandler()], False
     with _connected(distributed, cluster, say) as client:
-        for name, found in client.run(whole_program_hash, on_error="return").items():
-            if found != whole_program_hash():
-                raise MachineError(_other_program(name))
         sent: dict[Any, list[SweepCase]] = {}  # what is under way
         token, waiting = uuid.uuid4().hex[:8], deque(groups_of(cases))
 
@@ -307,7 +304,8 @@ def run_here(work: Work, cases: Sequence[SweepCase], program: str, folder: Path)
     from distributed import get_worker
 
     if whole_program_hash() != program:
-        raise MachineError(_other_program(get_worker().name))
+        why = "has another hmdwarp than this machine: install the same wheel on both"
+        raise MachineError(f"worker {get_worker().name} {why}")
     with _one_at_a_time, work.opened() as runner:  # a worker may have several threads
         with suppress(OSError):  # then files are not found, or are others
             os.chdir(folder)
@@ -364,10 +362,6 @@ def _connected(distributed: Any, cluster: str, say: Say) -> Iterator[Any]:
         client.close()
         if local:
             made.close()
-
-
-def _other_program(worker: str) -> str:
-    return f"worker {worker} has another hmdwarp than this machine: install the same wheel on both"
 
 
 Progress = Callable[[int, int], None]

@@ -98,7 +98,6 @@ def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -
         facts=[page.fact(label, text) for label, text in facts if text],
         command=data.get("command") or "",
         sections=(
-            page.Section("", _tiles(data, rows), style="tiles", label="What was run"),
             page.Section("", [clock_note and page.Text(clock_note)], style="after"),
             page.notes_section([f"{note} ({names})" if names else note for note, names in where.items()]),
             suite_section(data.get("suite")),
@@ -108,7 +107,10 @@ def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -
             _regions(groups),
             page.reading_section("bench", *explained, *rated),
         ),
-        made_with=page.machine_pairs(data.get("hmdwarp") or "–", data.get("machine") or {}, data.get("clock")),
+        made_with=[
+            *page.machine_pairs(data.get("hmdwarp") or "–", data.get("machine") or {}, data.get("clock")),
+            *([("Run in", page.minutes(data["seconds"]))] if data.get("seconds") else []),
+        ],
     )
 
 
@@ -158,19 +160,6 @@ def _halves(rows: Sequence[Mapping[str, Any]]) -> list[Table | page.Text]:
 
 def _unique(rows: Iterable[Row], key: str) -> list[Any]:
     return list(dict.fromkeys(row[key] for row in rows))
-
-
-def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[page.Tile]:
-    clocks = data.get("clocks") or {}
-    gpu, wall = clocks.get("gpu_ms"), clocks.get("wall_ms")
-    both = " / ".join("–" if value is None else f"{value:.3g}" for value in (gpu, wall))
-    seconds, clock = data.get("seconds"), data.get("clock", "")
-    ran = f"run in {page.minutes(seconds)}" if seconds else "warp, fill, recording, latency"
-    return [
-        page.Tile("Combinations", "", str(len(rows)), ran),
-        page.Tile("Clock", "", {"gpu": "GPU", "wall": "wall"}.get(clock, "?"), page.CLOCK_NAMES.get(clock, "")),
-        page.Tile("GPU timer check", "ms", both, "GPU timer / wall clock; where they agree, the timer is real"),
-    ]
 
 
 def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> page.Section:
