@@ -22,7 +22,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, Literal
-from zlib import crc32
 
 import attrs
 import numpy as np
@@ -130,13 +129,6 @@ def svg_text(figure: Any) -> Drawn:
     drawn = Drawn('" '.join(parts) + ">" + rest)
     drawn.figure = figure
     return drawn
-
-
-def again(drawn: Drawn, place: object) -> Drawn:
-    """Return a chart to stand in its page once more, with ids of its own for the place."""
-    other = Drawn(re.sub(r'( id="|url\(#|href="#)([^")]+)', rf"\g<1>\g<2>x{crc32(repr(place).encode()):x}", drawn))
-    other.figure = drawn.figure
-    return other
 
 
 @contextmanager

@@ -24,7 +24,7 @@ from .bench.rows import (
     table_of,
     terminal_of,
 )
-from .charts import Drawn, Look, Spot, again, spots_chart
+from .charts import Look, Spot, spots_chart
 from .page import texts
 from .run_texts import Table, axes_of_traces, counted, source_facts
 
@@ -88,9 +88,8 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> page.
         folds.append(
             page.Fold(group.label, [table, page.Group("panels", _strip(group, picture_of))], is_open=number == 0)
         )
-    drawn: dict[object, Drawn] = {}
     numbers = {strategy["name"]: number for number, strategy in enumerate(data["strategies"], 1)}
-    clients = [_client(client, groups, numbers, drawn) for client in data["clients"]]
+    clients = [_client(client, groups, numbers) for client in data["clients"]]
     about = "{first}{rest}. Crosses the link: {crosses}. Late: {late}. ({source})"
     strategies = [
         (one["name"], about.format(**one, first=one["summary"][0].upper(), rest=one["summary"][1:]))
@@ -190,14 +189,8 @@ def _strip(group: Case, picture_of: Mapping[int, Pictures]) -> list[page.Picture
     return strip
 
 
-def _client(
-    client: Mapping[str, str], groups: Sequence[Case], numbers: Mapping[str, int], drawn: dict[object, Drawn]
-) -> page.Article:
-    """Return the fronts of one client: what it can run, case by case.
-
-    numbers: of the strategies, the same in all charts. drawn: the charts so far, by content; those
-    that are the same are drawn once.
-    """
+def _client(client: Mapping[str, str], groups: Sequence[Case], numbers: Mapping[str, int]) -> page.Article:
+    """Return the fronts of one client: what it can run. numbers: of the strategies."""
     folds: list[page.Fold] = []
     for group in groups:
         can = Case(group.label, tuple(row for row in group.rows if not row["unfit"][client["name"]]))
@@ -206,30 +199,27 @@ def _client(
             columns = [COLUMNS[name] for name in ("flip", "psnr_db", "client_ms", "server_ms", "mbit_s")]
             parts = [f"{column.figure.label} {column.text(best)} {column.figure.unit}".strip() for column in columns]
             least = f"Least error: {best['strategy']} ({', '.join(parts[:2])}; {', '.join(parts[2:])})."
-        charts = [_front(can, client["name"], cost, numbers, drawn) for cost in COSTS]
+        charts = [_front(can, client["name"], cost, numbers) for cost in COSTS]
         folds.append(page.Fold(group.label, [page.Group("charts", charts)], least, is_open=not folds))
     return page.Article([page.Heading(client["name"]), page.Text(client["summary"], ""), *folds], id=client["name"])
 
 
-def _front(can: Case, client: str, cost: str, numbers: Mapping[str, int], drawn: dict[object, Drawn]) -> page.Chart:
+def _front(can: Case, client: str, cost: str, numbers: Mapping[str, int]) -> page.Chart:
     rows = [(row, row["quality"][PRIMARY]["mean"], row[cost]) for row in can.rows]
     rows = sorted((one for one in rows if one[1] is not None), key=lambda one: numbers[one[0]["strategy"]])
     best = pareto(rows, lambda one: one[1:])
     heading = f"error against {' '.join(COLUMNS[cost].head)}"
     names = ", ".join(row["strategy"] for row, _, _ in sorted(best, key=lambda one: one[2])) or "nothing it can run"
     words = f"{heading}, {client}, {can.label}. Front, from cheap to dear: {names}."
-    content = (cost, *((row["strategy"], *figures) for row, *figures in rows))
-    if content in drawn:
-        return page.Chart.of(heading, again(drawn[content], (client, can.label)), words, "")
     spots, names_of = list[Spot](), dict[int, str]()
     for one in rows:
         row, error, value = one
         number = numbers[row["strategy"]]
         names_of[number] = row["strategy"]
         spots.append(Spot(value, [error] * 3, Look.of(number - 1), one in best, number))
-    x, about = " in ".join(filter(None, COLUMNS[cost].head)), (can.label, client, content)
-    drawn[content] = spots_chart(about, spots, names_of, x=x, y=measure_label(PRIMARY), width_in=_WIDTH_IN)
-    return page.Chart.of(heading, drawn[content], words, "")
+    x, about = " in ".join(filter(None, COLUMNS[cost].head)), (can.label, client, cost, [one[1:] for one in rows])
+    drawn = spots_chart(about, spots, names_of, x=x, y=measure_label(PRIMARY), width_in=_WIDTH_IN)
+    return page.Chart.of(heading, drawn, words, "")
 
 
 def _assigned_table(data: Mapping[str, Any]) -> Table:

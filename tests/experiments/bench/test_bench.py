@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import csv
 import json
-from collections import Counter
 
 import attrs
 import pytest
@@ -16,8 +15,8 @@ from replays import contents, run
 from hmdwarp.experiments.bench import BenchOptions, bench, read
 from hmdwarp.experiments.bench.bench_run import NAMES
 from hmdwarp.link import LinkOptions
-from hmdwarp.metrics import QUALITY, STAGES, QualityPool
-from hmdwarp.report import OutputFolder, validate_summary
+from hmdwarp.metrics import QUALITY, STAGES
+from hmdwarp.report import validate_summary
 from hmdwarp.report.bench.crops import unpacked
 
 from .test_bench_cases import untimed
@@ -138,37 +137,6 @@ def test_crops_are_of_the_best_of_each_warp_where_it_is_worst_and_where_typical(
         assert sorted(name.split(" + ")[0] for name in worst.names) == sorted(SMALL.warps)
         assert worst.shown.shape[0] == 1 + len(SMALL.warps) and worst.shown.shape[1:] == worst.errors.shape[1:] + (3,)
     assert result.report.read_text(encoding="utf-8").count("worst instant") >= 2
-
-
-def test_an_output_folder_that_cannot_be_is_found_before_the_run(tmp_path, monkeypatch):
-    (tmp_path / "file").write_bytes(b"")
-    monkeypatch.setattr("hmdwarp.experiments.bench.cases.set_up_replay", lambda *_: pytest.fail("it ran"))
-    with pytest.raises(Exception, match="file"):
-        bench(attrs.evolve(SMALL, out=tmp_path / "file"))
-    OutputFolder(tmp_path / "fine").discard()
-
-
-def test_a_picture_that_two_fills_left_the_same_is_measured_once(tmp_path, monkeypatch):
-    """The warp `none` leaves no holes.
-
-    Both fills show one picture, and both rows have its figures.
-    """
-    submitted, submit = [], QualityPool.submit
-
-    def counted(pool, key, job, **how) -> None:
-        if not how.get("keep"):
-            submitted.append(key[1:3])
-        submit(pool, key, job, **how)
-
-    monkeypatch.setattr(QualityPool, "submit", counted)
-    options = attrs.evolve(SMALL, warps=("none", "forward"), latencies_ms=(200.0,), out=tmp_path)
-    rows = bench(options).data["rows"]
-    measured = (("forward", "interpolate"), ("forward", "none"), ("none", "none"))
-    assert Counter(submitted) == dict.fromkeys(measured, 2)
-    quality = {(row["warp"], row["fill"]): row["quality"] for row in rows}
-    assert quality["none", "none"] == quality["none", "interpolate"]
-    assert quality["forward", "none"] != quality["forward", "interpolate"]
-    assert all(row["frames"] == 2 for row in rows)
 
 
 def test_servers_of_other_rates_are_cases_of_their_own_with_the_errors_of_their_replays(tmp_path):

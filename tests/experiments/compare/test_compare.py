@@ -175,23 +175,6 @@ def test_a_link_too_narrow_and_a_decoder_too_slow_are_reasons(client, data):
         assert why in found and bool(found) == bool(why), has
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (("--strategy", "impostor"), "did you mean 'imposter'"),
-        (("--client", "class-9"), "unknown client 'class-9'"),
-        (("--latency", "soon"), "--latency 'soon'"),
-        (("--seconds", "0"), "seconds"),
-        (("--start", "1e6"), "start"),
-        (("--codec", "av2"), "unknown codec 'av2'"),
-    ],
-)
-def test_wrong_input_is_refused_before_anything_runs(options, words, tmp_path):
-    done = hmdwarp("compare", "look-around", *options, "--quiet", "--out", tmp_path / "out")
-    assert done.returncode == 2 and words in done.stderr
-    assert not (tmp_path / "out").exists()
-
-
 def test_a_scene_that_crosses_counts_packed_and_is_held_unpacked():
     held = {"geometry_bytes": 500, "texture_bytes": 500}
     crossed = {"start_up_bytes": 10, "first_picture_bytes": 60, "arrived_bytes": 400}
