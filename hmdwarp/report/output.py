@@ -66,16 +66,16 @@ class OutputFolder:
         self._owned, self._last = tuple(owned), last
         self._may_replace = force
         self._made: Path | None = None
-        self._staged: Partial | None = None
+        self._close: Callable[[], None] = lambda: None  # deletes the hidden folder
         try:
             missing = [p for p in (self.folder, *self.folder.parents) if not p.exists()]
             self._made = missing[-1] if missing else None
             self.folder.mkdir(parents=True, exist_ok=True)
             mode = 0o700 if private else 0o777
-            self._staged = Partial.make(self.folder, STAGING, mode=mode, is_folder=True, last=last)
-            self._staging = self._staged.path
+            staged = Partial.make(self.folder, STAGING, mode=mode, is_folder=True, last=last)
+            self._staging, self._close = staged.path, staged.close
             # A run that was killed while it gave the names has no `last` next to them.
-            self._may_replace |= bool(self._staged.ended)
+            self._may_replace |= bool(staged.ended)
             self._refuse_others(path for pattern in (*self._owned, last) for path in self.folder.glob(pattern))
             probe = self._staging / "probe"
             with probe.open("wb") as file:
@@ -147,7 +147,7 @@ class OutputFolder:
                 (self._staging / name).replace(current)
         except OSError as error:
             raise write_error(error, current) from error
-        self._staged.close()
+        self._close()
 
     def _refuse_others(self, paths: Iterable[Path]) -> None:
         """Refuse to overwrite what another program wrote. Errors: InputError naming the first."""
@@ -166,8 +166,7 @@ class OutputFolder:
 
     def discard(self) -> None:
         """Delete the files written so far, and the folder if this made it and it is empty."""
-        if self._staged is not None:
-            self._staged.close()
+        self._close()
         folder = self.folder
         while self._made is not None and folder.is_relative_to(self._made):
             try:

@@ -142,7 +142,7 @@ class Table:
         lines = [heads, rule, *([cell.text for cell in line.cells] for line in self.lines)]
         return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
-    def terminal(self, columns: Sequence[int] = (), **titles: str) -> TerminalTable:
+    def terminal(self, columns: Sequence[int] = (), /, **titles: str) -> TerminalTable:
         """Return these columns, or all, for the terminal: heads above units, the best bold.
 
         Names fold where there is no room. A marked line begins with a star; in a table without
@@ -151,7 +151,8 @@ class Table:
         from rich.text import Text
 
         columns = columns or range(len(self.heads))
-        table = terminal_table(["*"] * self.has_marks, **{name: Text(text) for name, text in titles.items()})
+        written: Any = {name: Text(text) for name, text in titles.items()}
+        table = terminal_table(["*"] * self.has_marks, **written)
         for at in columns:
             is_name, dim = at == 0 or self.style_of(at) == "word", "dim" if self.style_of(at) == "tail" else None
             how: Any = {"justify": "left" if is_name else "right", "overflow": "fold", "no_wrap": not is_name}

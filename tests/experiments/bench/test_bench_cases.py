@@ -8,7 +8,7 @@ import attrs
 import pytest
 
 from hmdwarp.experiments.bench import BenchOptions, bench
-from hmdwarp.experiments.sweep.options import KeptOptions
+from hmdwarp.experiments.sweep import KeptOptions
 from hmdwarp.resources import folder
 
 TINY = BenchOptions(

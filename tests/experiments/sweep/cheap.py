@@ -21,8 +21,7 @@ from pathlib import Path
 import attrs
 
 from hmdwarp.errors import HmdwarpError, InputError
-from hmdwarp.experiments.sweep import Result, SweepCase, Swept, run_cases
-from hmdwarp.experiments.sweep.options import KeptOptions
+from hmdwarp.experiments.sweep import KeptOptions, Result, SweepCase, Swept, run_cases
 
 SECONDS = 0.02
 

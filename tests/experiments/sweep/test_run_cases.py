@@ -7,8 +7,7 @@ from collections import Counter
 import pytest
 
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.experiments.sweep import run_cases
-from hmdwarp.experiments.sweep.options import KeptOptions
+from hmdwarp.experiments.sweep import KeptOptions, run_cases
 from hmdwarp.experiments.sweep.sweep_case import held
 from hmdwarp.options.identity import identity_of
 
