@@ -415,7 +415,7 @@ def spots_chart(
     """
     numbered = {f"{spot.number} {names[spot.number]}": spot.look for spot in spots if spot.number is not None}
     line, letter = 0.021 * font_size, 0.0088 * font_size
-    longest, place = max(map(len, numbered), default=0), {"loc": "upper left", "ncols": 1}
+    longest, place = max(map(len, numbered), default=0), Style(loc="upper left", ncols=1)
     if width_in is None:
         right, least = _BESIDE_IN
         size = (right + 0.4 + letter * longest, max(least, line * len(numbered) + 0.2))

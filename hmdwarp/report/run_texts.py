@@ -157,7 +157,7 @@ class Table:
             is_name, dim = at == 0 or self.style_of(at) == "word", "dim" if self.style_of(at) == "tail" else None
             how: Any = {"justify": "left" if is_name else "right", "overflow": "fold", "no_wrap": not is_name}
             label, unit = self.heads[at]
-            head = "\n".join([*textwrap.wrap(label, 60 if is_name else 10), *([unit] if unit else [])])
+            head = "\n".join([*textwrap.wrap(label, 60 if is_name else 20), *([unit] if unit else [])])
             table.add_column(head, style=dim, **how)
         for line in self.lines:
             if line.group:
