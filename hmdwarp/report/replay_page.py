@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -340,6 +341,21 @@ def _live_tiles(summary: Summary) -> list[page.Tile]:
         tile("Time per eye", time, total, "all stages"),
         page.Tile(holes.label, holes.figure.unit, share, holes.tile_note),
     ]
+
+
+def live_lines(summary: Summary, folder: Path | None) -> list[str]:
+    """Return the lines that end a live run. summary: empty if no picture was shown."""
+    if not summary:
+        return ["no picture was shown"]
+    live = summary["live"]
+    rate = f", {(live['refreshes'] - 1) / live['seconds']:.1f} a second" if live["seconds"] > 0 else ""
+    lines = [("Shown", f"{run_texts.counted(live['refreshes'], 'picture')} in {live['seconds']:.1f} s{rate}")]
+    for tile in _live_tiles(summary):
+        if tile.text != "–" or not tile.unit:
+            lines.append((tile.label, f"{f'{tile.text} {tile.unit}'.strip()}, {tile.note}"))
+    lines += [("note", note) for note in summary["notes"]]
+    lines += [] if folder is None else [("report", str(folder / "report.html"))]
+    return [f"{label + ':':<30}{text}" for label, text in lines]
 
 
 def _refresh(summary: Summary) -> page.Section:

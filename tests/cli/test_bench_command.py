@@ -7,8 +7,6 @@ import shlex
 
 from bench_files import a_bench
 
-from .conftest import complaints
-
 QUICK = (
     "--scene", "planes", "--headset", "rift-dk1", "--size", "48x40", "--seconds", "0.3", "--instants", "1",
     "--rounds", "1", "--workers", "0", "--guard", "1.1",
@@ -20,7 +18,7 @@ def test_lists_by_repetition_and_by_commas(command, tmp_path):
         "--warp", "rotation,forward", "--warp", "none", "--latency", "100", "--latency", "0",
         "--size", "48x40,32x24",
     ]  # fmt: skip
-    other = ["--fill", "none", "--budget", "10000", "--out", tmp_path]
+    other = ["--fill", "none", "--out", tmp_path]
     done = command("bench", "look-around", "walk", *QUICK, *several, *other).done()
     data = json.loads((tmp_path / "bench.json").read_text(encoding="utf-8"))
     found = {(r["trace"], r["latency_ms"], tuple(r["size"]), r["warp"], r["fill"]) for r in data["rows"]}
@@ -33,17 +31,7 @@ def test_lists_by_repetition_and_by_commas(command, tmp_path):
     }
     assert found == wanted
     assert data["command"].startswith("hmdwarp bench look-around walk --scene planes")
-    assert "Within 10000 ms per eye the most accurate is" in " ".join(done.out.split())
     assert "Timed by " in done.out and done.out.rstrip().endswith("bench.html")
-
-
-def test_a_budget_nothing_fits_into_is_refused_after_the_results(command, tmp_path):
-    done = command(
-        "bench", "walk", *QUICK, "--warp", "none", "--latency", "0", "--budget", "0.000001", "--out", tmp_path
-    )
-    (told,) = complaints(done.err)
-    assert done.status == 2 and "nothing is that fast" in told
-    assert "bench.html" in done.out and (tmp_path / "bench.json").exists()
 
 
 def test_recordings_that_no_table_could_tell_apart(command, tmp_path):

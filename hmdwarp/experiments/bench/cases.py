@@ -260,8 +260,6 @@ def options_of_case(options: BenchOptions, case: Case, start_s: float) -> BenchO
         sizes=(case.size,),
         server_rates_hz=() if case.server_rate_hz is None else (case.server_rate_hz,),
         start_s=start_s,
-        budget_ms=None,
-        parquet=False,
     )
 
 
