@@ -40,12 +40,6 @@ class Presenter:
         draw = self._shaders.draw("display/whole.vert", fragment, **defines)
         return draw.uniforms, self._gl.vertex_array(draw.program, [])
 
-    def prepare(self, *, hardware_srgb: bool) -> None:
-        """Compile what show() uses; otherwise its first call does."""
-        for scaled, noticed in product((False, True), repeat=2):
-            defines = {"ENCODES": int(not hardware_srgb), "SCALED": int(scaled), "NOTICED": int(noticed)}
-            self._pictures[hardware_srgb, scaled, noticed] = self._whole("display/picture.frag", **defines)
-
     def notice(self, label: Label) -> Notice | None:
         """Return the notice that show() can lay over the picture; None for "". Cached."""
         return self._notices.of(label)
@@ -70,8 +64,10 @@ class Presenter:
         """
         picture, size = panel or self._nothing, (viewport[2], viewport[3])
         key = (hardware_srgb, picture.size != size, notice is not None)
-        if key not in self._pictures:
-            self.prepare(hardware_srgb=hardware_srgb)
+        if key not in self._pictures:  # all of them now, so that no later picture is held up
+            for scaled, noticed in product((False, True), repeat=2):
+                defines = {"ENCODES": int(not hardware_srgb), "SCALED": int(scaled), "NOTICED": int(noticed)}
+                self._pictures[hardware_srgb, scaled, noticed] = self._whole("display/picture.frag", **defines)
         uniforms, array = self._pictures[key]
         picture.texture.use(0)
         uniforms.set(picture=0, picture_size=picture.size, place=tuple(viewport))

@@ -20,9 +20,8 @@ import xr
 from display.virtual_screen import until
 
 from hmdwarp.colour import picture_from_linear
-from hmdwarp.display import DisplayOptions, Lost
-from hmdwarp.display.openxr import OpenXrDisplay, OpenXrHead
-from hmdwarp.display.openxr import openxr_display as head_module
+from hmdwarp.display import DisplayOptions
+from hmdwarp.display.openxr import OpenXrDisplay
 from hmdwarp.display.openxr.connection import NEAR_M, Swapchain
 from hmdwarp.display.openxr.runtime import Calls
 from hmdwarp.display.openxr.tracking import EYE_HEIGHT_M
@@ -296,29 +295,3 @@ def test_every_call_that_may_hang_is_watched(monado):
     assert {"xrCreateInstance", "xrCreateSession", "xrCreateSwapchain", "xrBeginSession"} <= opened
     frame = {"xrPollEvent", "xrWaitFrame", "xrBeginFrame", "xrLocateViews", "xrWaitSwapchainImage", "xrEndFrame"}
     assert frame <= set(watched)
-
-
-# --- the head alone -----------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("headless", [True, False])
-def test_the_head_alone(remote_head, monkeypatch, headless):
-    if not headless:  # as with a runtime that has not that extension
-        monkeypatch.setattr(head_module, "HEADLESS_EXTENSION", "XR_no_such_extension")
-    remote_head.put(HEAD)
-    with OpenXrHead() as head:
-        assert head.about["graphics"] == ("none" if headless else "EGL")
-        assert head.about["headset"] and head.rate_hz > 0
-        until(lambda: head.poll() and head.head_at(head.now_ns()).pose.isclose(HEAD, 1e-5), "that head")
-        assert head.head_at(head.now_ns()).origin is Origin.MEASURED
-
-
-def test_the_head_alone_is_lost_and_comes_back(monado):
-    with OpenXrHead() as head:
-        monado.kill()
-        with pytest.raises(Lost):
-            for _ in range(100):
-                head.poll()
-        assert not head.reopen()
-        monado.start()
-        assert head.reopen() and head.poll()

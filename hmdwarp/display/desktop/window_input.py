@@ -130,17 +130,17 @@ Locate = Callable[[float, float], tuple[float, float] | None]
 class WindowInput:
     """Mouse, keyboard and control panel of a window: they move `walker` and make commands.
 
-    now_ns: the clock for the times of inputs, taken when they are read. own: what the window does
-    itself, by control. A click captures the mouse, and so does `look`; in a window without the
-    focus that takes effect once it has it. The key of "quit" releases it, and so does a change to
-    another window, which releases the held keys as well.
+    now_ns: the clock for the times of inputs, taken when they are read. own: does what a control of
+    the window itself requests, by its name and value. A click captures the mouse, and so does
+    `look`; in a window without the focus that takes effect once it has it. The key of "quit"
+    releases it, and so does a change to another window, which releases the held keys as well.
     """
 
     def __init__(
-        self, shown: Window, walker: Walker, now_ns: Callable[[], int], keys: Keys, own: dict[str, Callable[..., None]]
+        self, shown: Window, walker: Walker, now_ns: Callable[[], int], keys: Keys, own: Callable[[str, object], None]
     ) -> None:
         self._shown, self._walker, self._now_ns, self._keys = shown, walker, now_ns, keys
-        self._window, self._own = shown.handle, {one.name: own[one.name] for one in keys.controls if one.of_display}
+        self._window, self._own = shown.handle, own
         self._held: set[int] = set()
         self._position = (0.0, 0.0)
         self._locate: Locate | None = None
@@ -165,20 +165,14 @@ class WindowInput:
         self._walker.walk(self._now_ns(), right, up, forward, fast=not self._held.isdisjoint(FASTER))
         return self._now_ns()
 
-    def handle_own(self) -> None:
-        """Handle the window's own commands; the others stay for the run."""
-        commands, self.commands = self.commands, []
-        for command in commands:
-            if command.control in self._own:
-                self._own[command.control](command.value)
-            else:
-                self.commands.append(command)
-
     def take(self) -> list[Command]:
-        """Return the commands for the run since the last call."""
-        self.handle_own()
+        """Return the commands for the run since the last call; do the window's own."""
         commands, self.commands = self.commands, []
-        return commands
+        own = {one.name for one in self._keys.controls if one.of_display}
+        for command in commands:
+            if command.control in own:
+                self._own(command.control, command.value)
+        return [command for command in commands if command.control not in own]
 
     def open_panel(self) -> bool:
         """Open the control panel; return whether its packages are installed."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from .diagnosis import INSTALL, LOST, RUNTIME_LABEL, STAGES, diagnose, manifest, manifest_text, missing_extensions
 
 if TYPE_CHECKING:
-    from .openxr_display import OpenXrDisplay, OpenXrHead
+    from .openxr_display import OpenXrDisplay
 
 __all__ = [
     "INSTALL",
@@ -15,7 +15,6 @@ __all__ = [
     "RUNTIME_LABEL",
     "STAGES",
     "OpenXrDisplay",
-    "OpenXrHead",
     "diagnose",
     "manifest",
     "manifest_text",

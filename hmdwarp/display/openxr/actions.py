@@ -32,15 +32,6 @@ if TYPE_CHECKING:
 # ignored.
 _SYNCED = xr.Result.SUCCESS.value
 _VALID = xr.SpaceLocationFlags.ORIENTATION_VALID_BIT.value | xr.SpaceLocationFlags.POSITION_VALID_BIT.value
-_WORDS = {
-    "select": "push what the controller aims at",
-    "squeeze": "grab and move what the controller aims at",
-    "across": "stick, across",
-    "along": "stick, along",
-    "pad": "pad pressed",
-    "pad_across": "pad, across",
-    "pad_along": "pad, along",
-}
 
 
 class Actions:
@@ -76,7 +67,7 @@ class Actions:
         self._axes = {name: [_Query(actions[name], xr.ActionStateFloat(), hand) for hand in hands] for name in AXES}
 
     def _create(self, handle: xr.ActionSet, name: str, kind: xr.ActionType, hands: list[int]) -> xr.Action:
-        info = xr.ActionCreateInfo(name, kind, len(hands), hands or None, _WORDS.get(name, name))
+        info = xr.ActionCreateInfo(name, kind, len(hands), hands or None, name.replace("_", " "))
         return self._calls.call_once(xr.create_action, handle, info)
 
     def _suggest(self, instance: Instance, actions: dict[str, xr.Action]) -> None:

@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 
 from ...gpu.textures import Canvas
-from .. import Closed, Command, Label, Status
+from .. import Command, Label, Status
 from ..controls import CONTROLS, Control, help_closes
 from ..desktop.window import Window
 from ..desktop.window_input import Keys, keys_of, token
@@ -53,9 +53,7 @@ class Mirror:
 
     def poll(self) -> None:
         self._window.poll_events()
-        reason = self._window.over()
-        if reason:
-            raise Closed(reason)
+        self._window.check_open()
 
     def commands(self) -> Sequence[Command]:
         commands, self._commands = self._commands, []
