@@ -184,31 +184,6 @@ def test_encoding_is_off_again_afterwards(gpu, presenter):
     assert screen.framebuffer.viewport == (0, 0, 4, 4)
 
 
-MAKERS = ("texture", "buffer", "framebuffer", "vertex_array", "program", "query", "sampler", "scope")
-
-
-def test_textures_are_made_the_first_time_only(gpu, presenter, monkeypatch):
-    gl, canvas = gpu.gl, canvas_of(gpu.gl, random_picture(6, 40, 30))
-    screen, depth = Screen(gl, (40, 30), srgb=False), gl.framebuffer(depth_attachment=gl.depth_texture((40, 30)))
-    inverse = allocate(gl, (40, 30), SCALAR)
-    made = []
-
-    def go() -> None:
-        for width, hardware, text in ((40, False, "tracking lost"), (20, True, "")):
-            how = {"hardware_srgb": hardware, "notice": presenter.notice(text)}
-            presenter.show(canvas, screen.framebuffer, (0, 0, width, 30), **how)
-        presenter.depth(inverse, depth, 0.1)
-
-    go()
-    compiled = len(gpu.shaders)
-    for name in MAKERS:
-        monkeypatch.setattr(type(gl), name, lambda *_, name=name, **__: made.append(name))
-    for _ in range(3):
-        go()
-    assert not made
-    assert len(gpu.shaders) == compiled
-
-
 # --- notices ------------------------------------------------------------------------------------
 
 EYES = {
