@@ -124,7 +124,7 @@ def scene_reacts(condition: Condition) -> bool:
 
 
 def number_panel(step: Show, steps: Sequence[Step], hints: InputHints) -> MessagePanel:
-    """Make the panel before a trial: its number and turn, never its condition; what to do in one."""
+    """Make the panel before a trial: its number, never its condition, and what to do in it."""
     reacts = scene_reacts(step.condition)
     confirm = (reacts and hints.done) or hints.confirm
     hint = f"Look around as long as you like. {confirm}: done" if step.until_done else ""
