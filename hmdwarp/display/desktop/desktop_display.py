@@ -21,7 +21,7 @@ from ..present import Notice, Presenter
 from .control_panel import PANEL_REMEDY, WIDTH, installed
 from .pacing import Pacer, known_rate
 from .window import Window
-from .window_system import Rectangle, Size, SwitchableView, picture_area, start, viewports
+from .window_system import Rectangle, Size, WindowView, picture_area, start, viewports
 
 TITLE, NO_PANEL = "hmdwarp", f"no control panel: {PANEL_REMEDY}"
 MINIMISED_S = 0.1
@@ -30,13 +30,13 @@ REMARK_NS = 4_000_000_000  # how long a remark stays
 CHECK_NS = 1_000_000_000  # between two checks of the rate of the screen that the window is on
 
 
-class DesktopDisplay(SwitchableView):
+class DesktopDisplay(WindowView):
     """A display.Display in a window, on time.monotonic_ns. Errors: MachineError; InputError."""
 
     name = "desktop"
 
     def __init__(self, options: DisplayOptions) -> None:
-        super().__init__(options.emulated or load_headset(options.headset), options.size, options.view)
+        super().__init__(options.view, options.emulated or load_headset(options.headset), options.size)
         with ExitStack() as closers:
             self._open(options, closers)
             self._closers = closers.pop_all()
@@ -46,7 +46,7 @@ class DesktopDisplay(SwitchableView):
         from .window_input import Keys, WalkerSource, WindowInput
 
         has_panel = options.control_panel and any(one.name == "panel" and one.of_display for one in options.controls)
-        column, size = WIDTH if has_panel and installed() else 0, self._view.total_size
+        column, size = WIDTH if has_panel and installed() else 0, self.total_size
         self._window = Window(glfw, TITLE, size, column, full_screen=options.full_screen, vsync=options.vsync)
         closers.callback(self._window.close)
         self.gpu = Gpu(self._window.gl)
@@ -163,8 +163,8 @@ class DesktopDisplay(SwitchableView):
         self._help = self._help and not help_closes(self._keys.controls, has_text_panel=not isinstance(label, str))
         # The help covers the first eye alone: the other one shows the effect of the keys.
         notices = (presenter.notice(self._keys.help_text()) if self._help else notice, notice)
-        pictures = (None,) * self._view.count if refresh is None else tuple(eye.panel for eye in refresh.eyes)
-        places = viewports(area, len(pictures), self._view.aspect)
+        pictures = (None,) * self.count if refresh is None else tuple(eye.panel for eye in refresh.eyes)
+        places = viewports(area, len(pictures), self.aspect)
         for picture, over, place in zip(pictures, notices, places, strict=False):
             presenter.show(picture, screen, place, hardware_srgb=False, notice=over)
         self._labels = [

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
-import ctypes
-import importlib.util
 import math
 import os
 import platform
-from collections.abc import Mapping
-from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -38,30 +33,13 @@ REMEDY = (
 )
 
 
-def variant(environ: Mapping[str, str]) -> str:
-    """Return which of glfw's two libraries fits, "x11" or "wayland".
-
-    "" leaves it to glfw, which goes by XDG_SESSION_TYPE alone. A session of one kind may offer only
-    the other kind of display, as under ssh -X, Xvfb and in containers.
-    """
-    wayland, x11 = environ.get("WAYLAND_DISPLAY"), environ.get("DISPLAY")
-    if "PYGLFW_LIBRARY_VARIANT" in environ or bool(wayland) == bool(x11):
-        return ""
-    return "wayland" if wayland else "x11"
-
-
 def choose_library() -> None:
-    """Choose the library that fits, before glfw is imported."""
-    fitting = variant(os.environ)
-    if fitting:
-        os.environ["PYGLFW_LIBRARY_VARIANT"] = fitting
-    if (fitting or os.environ.get("PYGLFW_LIBRARY_VARIANT") or os.environ.get("XDG_SESSION_TYPE")) == "wayland":
-        # Dear ImGui's package needs X11. It would find the library of the glfw package, of the same
-        # name and without X11, and fail to load; it finds its own if that was loaded first.
-        spec = importlib.util.find_spec("imgui_bundle")
-        if spec is not None and spec.origin is not None:
-            with contextlib.suppress(OSError):
-                ctypes.CDLL(str(Path(spec.origin).with_name("libglfw.so.3")))
+    """Choose the library of X11 or Wayland before glfw is imported, which goes by the session.
+
+    X11 wherever it is there, in XWayland too: the packages of control panel and OpenXR need it.
+    """
+    is_wayland = os.environ.get("WAYLAND_DISPLAY") and not os.environ.get("DISPLAY")
+    os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "wayland" if is_wayland else "x11")
 
 
 def start() -> ModuleType:
@@ -150,46 +128,31 @@ class OneEye:
         return (View(world_from_head, self.fov),)
 
 
-@attrs.frozen(eq=False)
 class WindowView:
-    """Eyes of a window, and the format of their pictures."""
+    """What of a Display follows from its view. size: of one eye; None for the view's own.
 
-    eyes: Eyes
-    count: int  # how many eyes
-    size: Size  # (w, h) pixels of one eye's picture
-    aspect: float  # width over height of one picture as displayed
-    headset: Headset | None  # the headset whose lens is in front of it, None for a picture viewed without one
-
-    @property
-    def total_size(self) -> Size:
-        """(w, h) of all eyes side by side, in square pixels."""
-        return max(1, round(self.count * self.size[1] * self.aspect)), self.size[1]
-
-
-def window_view(view: str, headset: Headset, size: Size | None) -> WindowView:
-    """Return the view "both" or "flat" of a headset.
-
-    size: of one eye, None for the default. The flat view has the shape of both eyes side by side,
-    and so fills the same window.
+    The flat view has the shape of both eyes side by side, and so fills the same window.
     """
-    if view == BOTH:
-        return WindowView(headset, len(headset.eyes), size or headset.eye_size_px, headset.aspect, headset)
-    if view != FLAT:
-        raise InputError(f"--view '{view}': expected {BOTH} or {FLAT}")
-    fov, aspect = headset.flat_view
-    return WindowView(OneEye(headset.name, fov), 1, size or flat_size(aspect), aspect, None)
-
-
-class SwitchableView:
-    """What of a Display follows from its view. size: of one eye; None for the view's own."""
 
     distorts = takes_depth = takes_panels = ""
 
-    def __init__(self, headset: Headset, size: Size | None, view: str) -> None:
+    def __init__(self, view: str, headset: Headset, size: Size | None) -> None:
         self._emulated, self._wanted_size = headset, size
         self.set_view(view)
 
     def set_view(self, view: str) -> None:
         """Switch to "both" or "flat". Errors: InputError for another name."""
-        self._view = found = window_view(view, self._emulated, self._wanted_size)
-        self.eyes, self.size, self.headset = found.eyes, found.size, found.headset
+        if view not in (BOTH, FLAT):
+            raise InputError(f"--view '{view}': expected {BOTH} or {FLAT}")
+        seen, (fov, flat_aspect) = self._emulated, self._emulated.flat_view
+        is_flat = view == FLAT
+        self.eyes: Eyes = OneEye(seen.name, fov) if is_flat else seen
+        self.headset = None if is_flat else seen  # whose lens is in front of it, None for a picture viewed without one
+        self.count = 1 if is_flat else len(seen.eyes)  # how many eyes
+        self.aspect = flat_aspect if is_flat else seen.aspect  # width over height of one picture as displayed
+        self.size = self._wanted_size or (flat_size(flat_aspect) if is_flat else seen.eye_size_px)
+
+    @property
+    def total_size(self) -> Size:
+        """(w, h) of all eyes side by side, in square pixels."""
+        return max(1, round(self.count * self.size[1] * self.aspect)), self.size[1]

@@ -75,8 +75,6 @@ def open_graphics(instance: Instance, controls: tuple[Control, ...] = CONTROLS) 
         gpu: Gpu | None = None
         try:
             if kind != EGL:
-                # GLX belongs to X11; this is read when glfw is first imported, which is now.
-                os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")
                 from .mirror_window import Mirror as Window
 
                 mirror = Window(controls)

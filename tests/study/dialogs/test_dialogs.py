@@ -18,7 +18,7 @@ from scipy import ndimage
 from together import together
 
 from hmdwarp.display import MAX_HEIGHT_M, MAX_WIDTH_M, Notices
-from hmdwarp.display.desktop import window_view
+from hmdwarp.display.desktop import WindowView
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
 from hmdwarp.study.design import Ask
@@ -361,7 +361,7 @@ def test_a_panel_lies_in_the_middle_and_a_text_at_the_bottom(gpu):
         middle = panel.uv_from_pixel(size, None) @ (300, 400, 1)
         assert np.allclose(middle, (0.5, 0.5, 1), atol=1 / panel.ink.height)  # to the pixel
         assert (text.uv_from_pixel(size, None) @ (300, 400, 1))[1] > 1  # above it
-        eye = window_view("both", load_headset("rift-dk1"), None).eyes.views(Pose((0, 1.6, 0)))[0]
+        eye = WindowView("both", load_headset("rift-dk1"), None).eyes.views(Pose((0, 1.6, 0)))[0]
         tall = notices.of(panel_of(next(scale for scale in SHIPPED if scale.name == "misc")))
         for notice in (panel, tall):
             corners = [notice.uv_from_pixel((640, 800), eye) @ (x, y, 1) for x in (0, 640) for y in (0, 800)]
