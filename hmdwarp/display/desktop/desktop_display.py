@@ -68,8 +68,7 @@ class DesktopDisplay(WindowView):
         lacks_panel = has_panel and not self._input.open_panel()
         self._say("\n".join([*keys.first_words(options.trace is None), *([NO_PANEL] if lacks_panel else [])]))
         closers.callback(self._input.close)
-        about = {"window": self._window.system_text, "screen": self._window.screen_text()}
-        self.about = {**about, "renderer": self.gpu.renderer, **options.about_trace()}
+        self.about = {"screen": self._window.screen_text(), "renderer": self.gpu.renderer, **options.about_trace()}
 
     def _say(self, text: str) -> None:
         self._remark, self._until_ns = text, self.now_ns() + REMARK_NS

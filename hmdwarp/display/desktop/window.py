@@ -124,15 +124,6 @@ class Window:
         (w, h), (fw, fh) = self._glfw.get_window_size(self.handle), self.framebuffer_size
         return x * fw / max(w, 1), fh - y * fh / max(h, 1)
 
-    @property
-    def system_text(self) -> str:
-        """Version of glfw, and window system, for headers."""
-        glfw = self._glfw
-        names = {glfw.PLATFORM_X11: "X11", glfw.PLATFORM_WAYLAND: "Wayland", glfw.PLATFORM_WIN32: "Windows"}
-        names[glfw.PLATFORM_COCOA] = "macOS"
-        version, system = ".".join(map(str, glfw.get_version())), names.get(glfw.get_platform(), "unknown")
-        return f"glfw {version}, {system}"
-
     def poll_events(self) -> None:
         self._glfw.poll_events()
 
