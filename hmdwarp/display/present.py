@@ -112,14 +112,6 @@ class Presenter:
         self._pictures.clear()
 
 
-def fitted(picture: tuple[int, int], place: Viewport) -> Viewport:
-    """Return the largest centred part of `place` with the shape of a (w, h) picture."""
-    x, y, w, h = place
-    scale = min(w / picture[0], h / picture[1])
-    inside = (max(round(scale * picture[0]), 1), max(round(scale * picture[1]), 1))
-    return (x + (w - inside[0]) // 2, y + (h - inside[1]) // 2, *inside)
-
-
 def _nothing_like(mask: tuple[Any, ...]) -> tuple[Any, ...]:
     """Return the colour mask that blocks everything, for none, one or several attachments."""
     return tuple(_nothing_like(part) if isinstance(part, tuple) else False for part in mask)

@@ -12,7 +12,7 @@ from scipy.ndimage import map_coordinates
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.colour import linear_from_srgb, srgb8_from_linear, srgb_from_linear
-from hmdwarp.display import FRAMEBUFFER_SRGB, Notices, Presenter, fitted, text_ink
+from hmdwarp.display import FRAMEBUFFER_SRGB, Notices, Presenter, text_ink
 from hmdwarp.display.present import KEPT
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, Canvas, allocate, download, upload
@@ -143,19 +143,6 @@ def test_another_size_is_bilinear(gpu, presenter, size):
     image[4, 5, :3] = np.nan, np.inf, 9
     got = shown(gpu, presenter, image, size)[..., :3]
     assert np.abs(got - 255 * srgb_from_linear(scaled(image, size))).max() <= rounding(gpu) + 0.05
-
-
-@pytest.mark.parametrize(
-    ("size", "place", "wanted"),
-    [
-        ((1280, 800), (0, 0, 1280, 800), (0, 0, 1280, 800)),
-        ((1280, 800), (0, 0, 1280, 1000), (0, 100, 1280, 800)),
-        ((640, 800), (10, 20, 1000, 400), (350, 20, 320, 400)),
-        ((3000, 2), (0, 0, 100, 100), (0, 49, 100, 1)),  # never nothing
-    ],
-)
-def test_bars_keep_the_shape(size, place, wanted):
-    assert fitted(size, place) == wanted
 
 
 # --- the flags of GL ----------------------------------------------------------------------------

@@ -85,15 +85,16 @@ class Keys:
         keys = [one.key for one in self.controls if one.name == "help" and not one.needs_text_panel]
         return [f"{'click to look, ' if looks else ''}{label(key)} for help" for key in keys[:1]]
 
-    def help_text(self) -> str:
-        """Return every way to move and every control, a line each: keys, tab, description."""
-        rows = [
-            (" ".join(label(word) if len(word) == 1 else word for word in keys.split()), what) for keys, what in MOVING
-        ]
-        for control in filter(self.status.offers, self.controls):
-            steps = not control.written and not control.back and control.kind in STEPS_BACK
-            mouse = "" if control.written or control.back else and_mouse(control)
-            rows += [(keys_of(control) + (" (shift: back)" if steps else mouse), control.what)] if control.what else []
+    def help_text(self, *, moves: bool = True) -> str:
+        """Return every control, after every way to move, a line each: keys, tab, description."""
+        rows = []
+        for keys, what in MOVING if moves else ():
+            rows.append((" ".join(label(word) if len(word) == 1 else word for word in keys.split()), what))
+        for control in (one for one in self.controls if one.what and self.status.offers(one)):
+            keys = control.written or " ".join(label(key) for key in (control.back, control.key) if key)
+            if not control.written and not control.back:
+                keys += " (shift: back)" if control.kind in STEPS_BACK else and_mouse(control) if moves else ""
+            rows.append((keys, control.what))
         return "\n".join(f"{keys}\t{what}" for keys, what in rows)
 
 
@@ -113,11 +114,6 @@ def label(name: str) -> str:
     """Return the user's keyboard label of that key. glfw must be running."""
     printed = glfw.get_key_name(token(name), 0) if len(name) == 1 else None
     return printed.upper() if printed else name
-
-
-def keys_of(control: Control) -> str:
-    """Return a control's keys, as the user's keyboard has them."""
-    return control.written or " ".join(label(key) for key in (control.back, control.key) if key)
 
 
 TURN_PER_UNIT = math.radians(0.1)  # of mouse motion: 900 units (of 0.1 mm or so) for a quarter turn
