@@ -19,7 +19,7 @@ from .. import Command, DisplayOptions, Label, Tick
 from ..controls import Status, help_closes
 from ..present import Notice, Presenter
 from .control_panel import PANEL_REMEDY, WIDTH, installed
-from .pacing import Pacer, known_rate
+from .pacing import Pacer
 from .window import Window
 from .window_system import Rectangle, Size, WindowView, picture_area, start, viewports
 
@@ -57,11 +57,9 @@ class DesktopDisplay(WindowView):
         self._pacer = Pacer(self._window.rate_hz, options.vsync)
         self._status = Status()
         self._titled_ns = self._begun_ns = self._checked_ns = 0
-        self._help = False  # whether the help covers the picture, in place of any other text
         self._labels: list[tuple[Rectangle, Notice]] = []  # the label's place over each viewport
         self._walker = Walker(self.now_ns())
         self._input = WindowInput(self._window, self._walker, self.now_ns, keys, self._obey)
-        self._input.close_help = self._close_help
         self.source: PoseSource = WalkerSource(self._walker, self._input.read)
         if options.trace is not None:
             self.source = LoopedSource(options.trace, self.now_ns)
@@ -73,15 +71,10 @@ class DesktopDisplay(WindowView):
     def _say(self, text: str) -> None:
         self._remark, self._until_ns = text, self.now_ns() + REMARK_NS
 
-    def _close_help(self) -> bool:
-        """Close the help; return whether it was open."""
-        was, self._help = self._help, False
-        return was
-
     def _states(self) -> dict[str, object]:
         """Return what each switch of the window itself is."""
         panel, window = self._input.panel, self._window
-        on = {"panel": panel is not None and panel.on, "help": self._help}
+        on = {"panel": panel is not None and panel.on, "help": self._input.help}
         return {"full_screen": window.fills_screen, "vsync": window.vsync, **on}
 
     def _obey(self, name: str, value: object) -> None:
@@ -96,7 +89,7 @@ class DesktopDisplay(WindowView):
             window.wait_for_screen(on)
             self._pacer.set(window.rate_hz, on)
         elif name == "help":
-            self._help = on
+            self._input.help = on
         elif name == "quit":
             window.end()
         elif self._input.panel is not None:
@@ -127,8 +120,8 @@ class DesktopDisplay(WindowView):
             return None
         now = self.now_ns()
         if now - self._checked_ns >= CHECK_NS:  # by now it may be on another screen
-            self._checked_ns, rate_hz = now, known_rate(self._window.rate_hz)
-            if rate_hz != self._pacer.rate_hz:
+            self._checked_ns = now
+            if (rate_hz := self._window.rate_hz) != self._pacer.rate_hz:
                 self._pacer.set(rate_hz, self._window.vsync)
         due = self._pacer.due(now)
         if due > now:  # even a sleep of zero takes 60 us
@@ -159,9 +152,11 @@ class DesktopDisplay(WindowView):
         # A remark is hidden beside a text panel.
         remark = self._remark if self.now_ns() < self._until_ns else ""
         notice = presenter.notice("\n".join(filter(None, (label, remark))) if isinstance(label, str) else label)
-        self._help = self._help and not help_closes(self._keys.controls, has_text_panel=not isinstance(label, str))
+        self._input.help = self._input.help and not help_closes(
+            self._keys.controls, has_text_panel=not isinstance(label, str)
+        )
         # The help covers the first eye alone: the other one shows the effect of the keys.
-        notices = (presenter.notice(self._keys.help_text()) if self._help else notice, notice)
+        notices = (presenter.notice(self._keys.help_text()) if self._input.help else notice, notice)
         pictures = (None,) * self.count if refresh is None else tuple(eye.panel for eye in refresh.eyes)
         places = viewports(area, len(pictures), self.aspect)
         for picture, over, place in zip(pictures, notices, places, strict=False):

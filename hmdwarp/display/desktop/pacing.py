@@ -5,15 +5,9 @@ from __future__ import annotations
 from collections import deque
 from statistics import median
 
-UNKNOWN_HZ = 60.0
 REMEMBERED = 16  # refreshes; a change of scene or size is forgotten after a quarter of a second
 UNSYNCED = 8  # consecutive pictures faster than the screen, after which vsync counts as off
 TOO_FAST = 0.7  # of a period
-
-
-def known_rate(rate_hz: float) -> float:
-    """Return a screen's reported rate; 60 where that is 0 or less."""
-    return rate_hz if rate_hz > 0 else UNKNOWN_HZ
 
 
 class Pacer:
@@ -31,8 +25,8 @@ class Pacer:
         self.set(rate_hz, waits)
 
     def set(self, rate_hz: float, waits: bool) -> None:
-        """Use another screen or setting. rate_hz: as known_rate returns it."""
-        self.rate_hz = known_rate(rate_hz)
+        """Use another screen or setting."""
+        self.rate_hz = rate_hz
         self.period_ns = round(1e9 / self.rate_hz)
         self.waits = waits
         self.paced = False

@@ -16,6 +16,7 @@ from ...gpu.context import WANTED
 from .. import Closed
 from .window_system import ScreenHandle, Size, VideoMode, WindowHandle, last_error, window_size
 
+UNKNOWN_HZ = 60.0
 FALLBACK_ROOM = (1280, 800)  # free area where no screen reports its size
 
 
@@ -84,9 +85,9 @@ class Window:
 
     @property
     def rate_hz(self) -> float:
-        """Refresh rate of its screen; 0 where unknown (virtual screens)."""
+        """Refresh rate of its screen; 60 where unknown (virtual screens)."""
         _, mode = self._screen()
-        return float(mode.refresh_rate) if mode is not None else 0.0
+        return float(mode.refresh_rate) if mode is not None and mode.refresh_rate > 0 else UNKNOWN_HZ
 
     def screen_text(self) -> str:
         """Return name, size and rate of its screen."""

@@ -143,7 +143,7 @@ class WindowInput:
         self._capture_again = False
         self._notches = 0.0  # fraction of a wheel notch not reported yet
         self.panel: ControlPanel | None = None  # takes its part of the input first; None until it is opened
-        self.close_help: Callable[[], bool] = lambda: False  # closes an open help; whether there was one
+        self.help = False  # whether the help covers the picture, in place of any other text
         self.takes_text = False  # whether letters are text, and no keys of controls
         self.commands: list[Command] = []  # requests, oldest first
         glfw.set_key_callback(self._window, self._key)
@@ -230,10 +230,12 @@ class WindowInput:
             if action == glfw.PRESS and self._locate is None:
                 self._held.add(key)
             return
-        if (key == glfw.KEY_ESCAPE and self.close_help()) or (self.takes_text and prints(key)):
+        if self.takes_text and prints(key):
             return
         command = self._keys.command_of(key, action, mods)
-        if command is not None and command.control == "quit" and self.captured:
+        if key == glfw.KEY_ESCAPE and self.help:
+            self.help = False
+        elif command is not None and command.control == "quit" and self.captured:
             self.release()
         elif command is not None:
             self.commands.append(command)
