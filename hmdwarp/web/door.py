@@ -124,7 +124,14 @@ class Door:
         self._token = secrets.token_urlsafe(_TOKEN_BYTES)
         # A secret of its own makes cookies that a server started anew knows again.
         self._key = self._secret.encode() or secrets.token_bytes(_TOKEN_BYTES)
-        self._listener = _listener(address)
+        host = on.strip("[]")
+        try:
+            family = socket.AF_INET6 if ":" in host else socket.AF_INET
+            self._listener = socket.create_server((host, 0 if number == "*" else int(number)), family=family)
+        except OSError as error:
+            raise InputError(
+                f"--web {address}: {error.strerror or error}: take another port or stop what listens there"
+            ) from error
         host, port = self._listener.getsockname()[:2]
         host = hosts_at(host)[0]
         self._place = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
@@ -272,18 +279,6 @@ class Door:
 
 def _as_json(content: Any) -> tuple[bytes, str]:
     return json.dumps(content).encode(), "application/json"
-
-
-def _listener(address: str) -> socket.socket:
-    host, _, port = address.rpartition(":")
-    host = host.strip("[]")
-    try:
-        family = socket.AF_INET6 if ":" in host else socket.AF_INET
-        return socket.create_server((host, 0 if port == "*" else int(port)), family=family)
-    except OSError as error:
-        raise InputError(
-            f"--web {address}: {error.strerror or error}: take another port or stop what listens there"
-        ) from error
 
 
 def _bytes(text: str) -> bytes:

@@ -21,7 +21,7 @@ from ..present import Notice, Presenter
 from .control_panel import PANEL_REMEDY, WIDTH, installed
 from .pacing import Pacer
 from .window import Window
-from .window_system import Rectangle, Size, WindowView, picture_area, start, viewports
+from .window_system import Rectangle, Size, WindowView, start, viewports
 
 TITLE, NO_PANEL = "hmdwarp", f"no control panel: {PANEL_REMEDY}"
 MINIMISED_S = 0.1
@@ -131,7 +131,10 @@ class DesktopDisplay(WindowView):
 
     def show(self, refresh: Refresh | None, label: Label = "") -> int:
         size, panel = self._window.framebuffer_size, self._input.panel
-        self._draw(refresh, picture_area(size, panel.column if panel else 0), label)
+        column = (
+            panel.column if panel is not None else 0
+        )  # the panel covers pictures that it would leave less than half
+        self._draw(refresh, (size[0] - column, size[1]) if 2 * column <= size[0] else size, label)
         self._input.takes_text = not isinstance(label, str) and label.takes_text
         self._input.point(self._uv_at if not isinstance(label, str) and label.pointed else None)
         if panel is not None:

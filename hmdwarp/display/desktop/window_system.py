@@ -93,15 +93,6 @@ def flat_size(aspect: float) -> Size:
     return max(WHOLE, round(width / WHOLE) * WHOLE), max(WHOLE, round(width / aspect / WHOLE) * WHOLE)
 
 
-def picture_area(framebuffer: Size, column: int) -> Size:
-    """Return the size that a panel of that many columns at the right leaves for pictures.
-
-    If that is less than half, the panel covers the pictures instead.
-    """
-    width, height = framebuffer
-    return (width - column, height) if 2 * column <= width else framebuffer
-
-
 def window_size(wanted: Size, room: Size, column: int = 0) -> Size:
     """Return the size of a new window for pictures of `wanted` pixels and a panel next to them.
 

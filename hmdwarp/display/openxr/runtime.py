@@ -15,6 +15,7 @@ import xr
 from xr import raw_functions
 
 from ...errors import HmdwarpError, MachineError
+from ...geometry import Polygon
 from ...resources import __version__
 from ...scenes import MOST_PANELS
 from .. import Closed, Lost
@@ -240,9 +241,7 @@ _LAYER = ctypes.POINTER(xr.CompositionLayerBaseHeader)
 MOST_LAYERS = 1 + MOST_PANELS
 
 
-def hidden_triangles(
-    calls: Calls, instance: Instance, session: xr.Session, eye: int
-) -> tuple[tuple[tuple[float, float], ...], ...]:
+def hidden_triangles(calls: Calls, instance: Instance, session: xr.Session, eye: int) -> tuple[Polygon, ...]:
     """Return what the lens hides of an eye's view, in tangents; none where that is not known.
 
     Source: OpenXR 1.0, XR_KHR_visibility_mask: vertices lie on the plane z = -1.
@@ -264,9 +263,7 @@ def hidden_triangles(
     return triangles_of([(vertex.x, vertex.y) for vertex in vertices], list(indices[: mask.index_count_output]))
 
 
-def triangles_of(
-    vertices: Sequence[tuple[float, float]], indices: Sequence[int]
-) -> tuple[tuple[tuple[float, float], ...], ...]:
+def triangles_of(vertices: Sequence[tuple[float, float]], indices: Sequence[int]) -> tuple[Polygon, ...]:
     """Return the triangles of a runtime's mesh, none for one with a wrong index."""
     if len(indices) % 3 or any(index >= len(vertices) for index in indices):
         return ()
