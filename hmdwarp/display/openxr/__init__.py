@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .diagnosis import INSTALL, RUNTIME_LABEL, diagnose, load_binding, manifest_text, missing_extensions
+from .diagnosis import INSTALL, RUNTIME_LABEL, diagnose, manifest_text, missing_extensions
 
 if TYPE_CHECKING:
     from .openxr_display import OpenXrDisplay
@@ -16,6 +16,8 @@ def __getattr__(name: str) -> Any:
     """Load the binding. Errors: MachineError if it does not load."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from .diagnosis import load_binding
+
     load_binding()
     from . import openxr_display
 
