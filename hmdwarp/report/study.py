@@ -352,13 +352,10 @@ def _order(scales: Sequence[Row]) -> list[Any]:
 
 
 def _checked(scales: Sequence[Row]) -> page.Section:
-    """Return what was checked: rows that two parts share, and published figures."""
+    """Return what published figures are held against."""
     blocks: list[Any] = []
     for scale in scales:
-        copied, claims = scale["copied"], scale["claims"]
-        if copied:
-            blocks += [page.Heading("Rows that two parts share"), _said([row["sentence"] for row in copied])]
-        if claims:
+        if claims := scale["claims"]:
             marks = ["yes" if row["follows"] else "no" for row in claims]
             note = texts("study")["notes"]["claims"].format(why_step=scale["why_step"])
             blocks += [

@@ -903,26 +903,26 @@ def _of_headset(options: RecordOptions, say: Say) -> None:
         Ending(options.seconds, None) as ending,
         Recorder(options.out, say, BY, force=options.force) as recorder,
         Watchdog(options.hang_s, [recorder.save]) as watchdog,
-        openxr.OpenXrHead(watchdog.watching) as head,
+        closing(openxr.OpenXrDisplay(DisplayOptions(watching=watchdog.watching, depth_layer=False))) as shown,
     ):
-        rate_hz = options.rate_hz or head.rate_hz
-        recorder.begin(head.about, rate_hz)
-        say(_telling(f"{head.about['headset']} at {rate_hz:g} Hz", recorder, options.seconds))
-        count, due_ns = 0, head.now_ns()
-        # At even intervals, or as often as its source can be read.
-        while not ending.due(count):
-            _sleep_until(due_ns)
-            try:
-                if head.poll():
-                    recorder.add(head.head_at(head.now_ns()))
-            except Closed as closed:
-                say(str(closed))
-                break
-            except Lost as lost:
-                recorder.flush()
-                come_back(head.reopen, lost, options.reconnect_s, ending, say)
-            count += 1
-            due_ns = max(due_ns + round(1e9 / rate_hz), head.now_ns())
+        rate_hz = options.rate_hz or shown.rate_hz
+        recorder.begin(shown.about, rate_hz)
+        say(_telling(f"{shown.about['headset']} at {rate_hz:g} Hz", recorder, options.seconds))
+        count, due_ns = 0, shown.now_ns()
+        try:
+            while not ending.due(count):  # at even intervals, or as often as the runtime wants a picture
+                _sleep_until(due_ns)
+                try:
+                    if shown.wait() is not None:
+                        shown.show(None)
+                        recorder.add(shown.source.head_at(shown.now_ns()))
+                except Lost as lost:
+                    recorder.flush()
+                    come_back(shown.reopen, lost, options.reconnect_s, ending, say)
+                count += 1
+                due_ns = max(due_ns + round(1e9 / rate_hz), shown.now_ns())
+        except Closed as closed:
+            say(str(closed))
         if recorder.count < LEAST and ending.asked is None:
             raise MachineError(
                 "the runtime has not told where the head is: put the headset on, where its tracking can see the room"

@@ -138,13 +138,12 @@ def _door(
         "panels": bool(scene.panels),
     }
     traces = {f"traces/{name}.json": functools.partial(_samples, name, source) for name in names}
-    lock = web.Lock(secret, pair)
     with ExitStack() as opened:
         logs = None
         if options.out is not None:
             logs = opened.enter_context(closing(SessionLog(options.out, say)))
         door = web.Door(
-            options.web, listener.address, about | {"reports": logs is not None}, traces, lock=lock,
+            options.web, listener.address, about | {"reports": logs is not None}, traces, secret=secret, pair=pair,
             certificate=options.certificate, is_open=options.open, log=None if logs is None else logs.begin,
             places=listener.places, say=say
         )  # fmt: skip

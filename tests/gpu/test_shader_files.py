@@ -174,9 +174,9 @@ def _compile_effects(gpu: Gpu, tools: Tools) -> None:
 
 
 def _present(gpu: Gpu) -> None:
-    presenter = Presenter(gpu)
+    presenter, into = Presenter(gpu), gpu.gl.framebuffer([gpu.gl.texture((4, 4), 4)])
     for hardware_srgb in (False, True):
-        presenter.prepare(hardware_srgb=hardware_srgb)
+        presenter.show(None, into, (0, 0, 4, 4), hardware_srgb=hardware_srgb)
     presenter.close()
 
 
