@@ -209,7 +209,6 @@ _BY_NAME |= {name: Figure(name, name, "Mbit/s", 2, higher_is_better=False) for n
 _MISS = (
     Figure("stale_share", "Missed refreshes", "%", 1, 100.0),
     Figure("longest_stale", "Most missed in a row", "", 0),
-    Figure("judder_deg", "Judder, RMS", "deg", 3),
 )
 _MS = Figure("", "", "ms", 2)
 _TROUBLE = ("skipped", "unchanged", "dropped", "lost", "late", "superseded", "undecodable")
@@ -246,7 +245,7 @@ def drawing_text(summary: Summary) -> str:
 
 
 def miss_texts(entry: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the missed refreshes, the most in a row and the judder. entry: a summary's `miss`."""
+    """Return the missed refreshes and the most in a row. entry: a summary's `miss`."""
     return tuple(figure.text(entry[figure.name]) for figure in _MISS)
 
 
@@ -352,7 +351,7 @@ def live_lines(summary: Summary, folder: Path | None) -> list[str]:
         return ["no picture was shown"]
     live, drawn = summary["live"], "drawing" if "recorded" not in summary else "reading"
     of_refresh = f", of {live['budget_ms']:.2f} ms for a refresh"
-    share, longest, judder = miss_texts(summary["miss"])
+    share, longest = miss_texts(summary["miss"])
     rate = f", {(live['refreshes'] - 1) / live['seconds']:.1f} a second" if live["seconds"] > 0 else ""
     missed = f"{live['missed']} missed ({share} %, at most {longest} in a row)" if live["missed"] else "none missed"
     missed += f": {waits}" if (waits := waited_text(live)) else ""
@@ -363,7 +362,6 @@ def live_lines(summary: Summary, folder: Path | None) -> list[str]:
     parts = [f"{name} {median:.2f}" for name, median in stages if median]
     figures = [
         ("shown", f"{counted(live['refreshes'], 'picture')} in {live['seconds']:.1f} s{rate}; {missed}"),
-        ("judder", f"{judder} deg RMS" if live["missed"] else ""),
         ("frame age at display", _pair(live["age_ms"])),
         ("pose age at submission", _pair(live["pose_age_ms"])),
         ("frame interval", _pair(live["period_ms"])),

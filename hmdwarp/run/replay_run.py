@@ -23,11 +23,10 @@ from ..pipeline.sizes import refreshes_of
 from ..pipeline.source import ServerFrames
 from ..report import OutputFolder, VideoWriter
 from ..sources.server import Server
-from .frame_rows import ReplayLog, Row
 from .measuring import MAIN, Probe, method_name
 from .options import RunOptions
 from .run import ReplayRun, set_up_replay
-from .run_summary import OWNED, Judge, ReplayResult, result_of, write_results
+from .run_summary import OWNED, Judge, ReplayLog, ReplayResult, Row, result_of, write_results
 
 WORST_FRAMES = 6
 # which: 0 for the run itself, then those that it is compared with.

@@ -268,10 +268,6 @@ class Run(Generic[Options]):
         self.close()
 
 
-_MANY = 10_000  # refreshes
-# Of a refresh: that of a GPU is a guess; llvmpipe took 0.2 s without metrics and 0.6 s with two
-# methods beside it, on two cores.
-_SECONDS_EACH = 0.05, 0.5
 _DAY_S = 86_400.0
 
 
@@ -459,12 +455,8 @@ def set_up_replay(
 
         run.measure(track.at(track.start_ns), holds=True, keeps=True, say=say_and_note)
         schedule = schedule or schedule_of(trace.track, run.options, rate_hz)
-        cost = ""
-        if schedule.count >= _MANY:
-            least, most = (schedule.count * each / 3600 for each in _SECONDS_EACH)
-            cost = f", about {least:.1f} h on a GPU to {most:.1f} h without one; --seconds shows less"
         name = track.name or trace.path.stem
-        say(f"preparing {source.title}, OpenGL and metrics; then {schedule.count} refreshes of '{name}'{cost}")
+        say(f"preparing {source.title}, OpenGL and metrics; then {schedule.count} refreshes of '{name}'")
         gpu = run.cleanup.enter_context(Gpu())
         if slow := smaller_size(gpu, options, headset.eye_size_px):
             say(slow)

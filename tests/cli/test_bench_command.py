@@ -27,8 +27,8 @@ def test_lists_by_repetition_and_by_commas(command, tmp_path):
         "--warp", "rotation,forward", "--warp", "none", "--latency", "100", "--latency", "0",
         "--size", "48x40,32x24",
     ]  # fmt: skip
-    other = ["--trace", "walk", "--fill", "none", "--budget", "10000", "--out", tmp_path]
-    done = command("bench", "look-around", *QUICK, *several, *other).done()
+    other = ["--fill", "none", "--budget", "10000", "--out", tmp_path]
+    done = command("bench", "look-around", "walk", *QUICK, *several, *other).done()
     data = json.loads((tmp_path / "bench.json").read_text(encoding="utf-8"))
     found = {(r["trace"], r["latency_ms"], tuple(r["size"]), r["warp"], r["fill"]) for r in data["rows"]}
     wanted = {
@@ -39,7 +39,7 @@ def test_lists_by_repetition_and_by_commas(command, tmp_path):
         for warp in ("rotation", "forward", "none")
     }
     assert found == wanted
-    assert data["command"].startswith("hmdwarp bench look-around --scene planes")
+    assert data["command"].startswith("hmdwarp bench look-around walk --scene planes")
     assert "Within 10000 ms per eye the most accurate is" in " ".join(done.out.split())
     assert "Timed by " in done.out and done.out.rstrip().endswith("bench.html")
 

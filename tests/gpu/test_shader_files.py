@@ -32,7 +32,6 @@ from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
 from hmdwarp.metrics import PairPass
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
-from hmdwarp.run.live_log import DepthSamples
 from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
 from hmdwarp.sources.array_passes import LINEAR, Arrays, GiveCodes, GiveOut, PixelBuffers, Scaling, TakeIn, Upload
 from hmdwarp.sources.server import MIRRORS, Server
@@ -91,7 +90,6 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         _draw_every_content(gpu)
         gpu.shaders.compute("gpu/copy.comp")  # as the timers, which are probed before there is a library
         HoleCounter(gpu).close()
-        DepthSamples(gpu).close()
         _take_textures_over(gpu)
         _take_arrays_over(gpu)
         _give_arrays_out(gpu)

@@ -28,7 +28,6 @@ from ...metrics import (
     BOUND,
     PRIMARY,
     QUALITY,
-    TRUTH_JOD,
     MeasuringProcesses,
     Mismatch,
     QualityJob,
@@ -36,8 +35,6 @@ from ...metrics import (
     at_instants,
     blocks_apart,
     blocks_text,
-    check_rating,
-    clip_length,
     db_of,
     metrics,
     pooled,
@@ -135,20 +132,6 @@ def typed(rows: Iterable[Row], columns: Columns) -> Iterator[dict[str, Any]]:
         yield {name: None if value is None else columns[name].kind(value) for name, value in row.items()}
 
 
-def about_rating(clip_s: float, rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return what a bench says of its JOD, nothing where it has none. rows: all of it."""
-    failures = list(dict.fromkeys(row["jod_failure"] for row in rows if "jod_failure" in row))
-    display = next((row["jod"]["display"] for row in rows if "jod" in row), None)
-    if not clip_s or display is None:
-        return failures
-    return [
-        *failures,
-        f"JOD by ColorVideoVDP, where {TRUTH_JOD:g} is like the truth: of clips of {clip_s:g} s that end at each "
-        f"instant, before the lens, at {display['rate_hz']:g} Hz, {display['pixels_per_degree']:.1f} pixels per degree "
-        f"and {display['peak_cd_m2']:g} cd/m2. Predicted from the pictures: no one was asked.",
-    ]
-
-
 def write_parquet(path: Path, rows: Iterable[Mapping[str, Any]]) -> None:
     """Write rows as a table, null for what is not known. Errors: MachineError without pyarrow."""
     pa = import_extra("pyarrow", "pyarrow", "study")
@@ -241,10 +224,8 @@ def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[flo
     work: BenchCase = prepared(case.what)
     options, client, pool = work.options, load_client(work.options.client), QualityPool(processes)
     about, most = examined()
-    seconds, rate_hz = options.jod_s, options.rate_hz or work.headset.refresh_hz
     chosen = work.batched(most)
-    rated = work.batched(most, clip_length(seconds, rate_hz)) if seconds else []  # whose clips fit in together
-    shares = (done / (work.instants * (len(chosen) + len(rated))) for done in itertools.count(1))
+    shares = (done / (work.instants * len(chosen)) for done in itertools.count(1))
 
     def steps() -> None:
         step(next(shares))
@@ -256,12 +237,7 @@ def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[flo
             comparison.run(options.instants, steps)
             pool.wait()
             rows += [(each.combination, row_of(setup, work.case, each, pool, client)) for each in comparison.measured]
-    ratings: dict[tuple[str, ...], dict[str, Any]] = {}
-    for batch in rated:  # after all times: no timed run has these refreshes between its own
-        with work.set_up(batch) as setup:
-            found = measuring.rate_clips(setup, batch, options.instants, steps)
-        ratings |= {_named(c): each for c, each in zip(batch, found, strict=True)}
-    measured = [{**row, **ratings.get(_named(c), {}), "machine": about["machine"]} for c, row in rows]
+    measured = [{**row, "machine": about["machine"]} for _, row in rows]
     crops = [] if options.suite else _crops(work, chosen, rows, QualityPool(processes))
     return Result({**about, ROWS: measured}, {CROPS: packed(crops)} if crops else {})
 
@@ -283,18 +259,12 @@ def _crops(
         wanted = [made_by[id(row)] for row in best if made_by[id(row)] in batch]
         if not wanted:
             continue
-        with (
-            set_up_replay(work.run_of(batch), needs_of(c.plan for c in wanted)) as setup,
-            measuring.SideBySide(setup, wanted) as beside,
-        ):
+        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in wanted)) as setup:
+            beside = measuring.SideBySide(setup, wanted)
             measured = measuring.instants_of(setup.schedule.count, work.options.instants)
             turns = {number: measured.index(number) for number in numbers.values()}
-            for number, refresh in beside.refreshes({*turns, *beside.run_in(turns)}):
-                if number not in turns:
-                    beside.teach(refresh)
-                    continue
-                eye = turns[number] % len(refresh.inputs)
-                pictures = beside.pictures(refresh, eye, beside.truth(refresh.inputs[eye]))
+            for number, refresh in beside.refreshes(turns, turns):
+                pictures = beside.pictures(refresh, turns[number] % len(refresh.inputs))
                 for combination, picture in zip(wanted, pictures, strict=True):
                     setup.hand_in(pool, (number, *_named(combination)), QualityJob(picture), keep=True)
             pool.wait()
@@ -410,8 +380,6 @@ def bench(
     options = BenchOptions.checked(options)
     if options.parquet:
         import_extra("pyarrow.parquet", "pyarrow", "study")  # before a long run
-    if options.jod_s and options.sweep.cluster is None:
-        check_rating()
     source = source_of(options, options.scenes[0])
     headset = source.headset
     client = load_client(options.client)
@@ -444,7 +412,6 @@ def bench(
                 "client": client.name,
                 "notes": [
                     *notes,
-                    *about_rating(options.jod_s, rows),
                     *left_out_notes([*first_cases(rows, MOST_SHOWN)[0].values()], client),
                     *(f"{failure.name}: failed: {failure.why}" for failure in swept.failed),
                 ],

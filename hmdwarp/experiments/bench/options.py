@@ -129,12 +129,6 @@ class BenchOptions(RecordedOptions):
     # instant. Two rounds for both eyes at each make 24 times per combination.
     instants: int = option(6, "Refreshes measured in each case, evenly spread.", valid=Number(least=1))
     rounds: int = option(2, "Timed runs at each instant, after one to warm up.", valid=Number(least=1))
-    # 0 for not at all.
-    jod_s: float = same_as(
-        _RUN.jod_s,
-        help="Also rate a clip of this many seconds that ends at each instant, with ColorVideoVDP "
-        "(pip install '.[jod]'); slow.",
-    )
     # All combinations are measured; the front and the budget are for those that it can run.
     client: str = same_as(
         _RUN.client, PICTURE_CLIENT, help="Client for the Pareto front and --budget; everything is measured."

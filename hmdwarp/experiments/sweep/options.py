@@ -13,7 +13,7 @@ from ...errors import InputError
 from ...options import Declared, force_field, group, one_of, option, option_of, same_as
 from ...pipeline.options import with_headset
 from ...poses.options import TraceOptions
-from ...run.options import RunOptions, recordings_field, with_recordings
+from ...run.options import RunOptions, recordings_field
 from ...scenes.options import SceneOptions
 from ...sources.sequences.options import SequenceOptions
 
@@ -122,7 +122,7 @@ class RecordedOptions(ExperimentOptions):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that were set. Errors: InputError for one that frames decide."""
-        said = with_headset(with_recordings(said), option_of(attrs.fields(cls).headset).default)
+        said = with_headset(said, option_of(attrs.fields(cls).headset).default)
         values = super().values_of(said)
         if values.get("frames") is None:
             return values
