@@ -13,7 +13,12 @@ from __future__ import annotations
 
 import functools
 import importlib.util
+import os
+import pickle
+import signal
 import statistics
+import subprocess
+import sys
 import weakref
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -27,7 +32,6 @@ from ..errors import MachineError
 from ..resources import import_extra, missing_extra
 from .metric import Figure
 from .picture_pairs import Compared
-from .pool import MeasuringProcesses
 
 EXTRA, MODULES = "jod", {"pycvvdp": "cvvdp", "torch": "torch"}
 TRUTH_JOD = 10.0
@@ -77,7 +81,7 @@ class ShownOn:
 
 
 def _rated(display: ShownOn, shown: NDArray[np.uint8], truth: NDArray[np.uint8]) -> tuple[float, list[float]]:
-    """Return the JOD of a clip, and that of each of its pictures alone; run in a worker."""
+    """Return the JOD of a clip, and that of each of its pictures alone."""
     torch = import_extra("torch", "torch", EXTRA)
     torch.set_num_threads(1)
     with torch.inference_mode():
@@ -100,6 +104,28 @@ def _metric(on: ShownOn, width: int, height: int) -> Any:
     return module.cvvdp(display_photometry=light, display_geometry=place, quiet=True, device=cpu)
 
 
+def serve() -> None:
+    """Rate clips from standard input until it ends; answer with figures, or why there are none."""
+    with os.fdopen(os.dup(1), "wb") as answers:
+        os.dup2(2, 1)  # what libraries print
+        while True:
+            try:
+                clip = pickle.load(sys.stdin.buffer)
+            except EOFError:
+                return
+            try:
+                answer: Any = _rated(*clip)
+            except Exception as error:  # whatever torch and its friends raise
+                answer = str(error) or type(error).__name__
+            pickle.dump(answer, answers)
+            answers.flush()
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    process.kill()
+    process.communicate()
+
+
 class Clips:
     """Rate runs of neighbouring refreshes as clips of `seconds`, one after the other.
 
@@ -113,8 +139,13 @@ class Clips:
         self.display = display
         self.length = clip_length(seconds, display.rate_hz)  # pictures of a whole clip
         self.failure = ""  # in one line; empty while all went well
-        self._process = MeasuringProcesses(1, "the run goes on without JOD")
-        weakref.finalize(self, self._process.close)
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-c", f"import {__name__} as rating; rating.serve()"],
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            start_new_session=True,  # Ctrl-C is not for it
+        )  # fmt: skip
+        weakref.finalize(self, _end, self._process)
         # By (eye, which warp): the pictures of the present clip.
         self._open: dict[tuple[int, int], list[tuple[int, Compared]]] = defaultdict(list)
         # By which warp: (first refresh, pictures, JOD) of each clip of each eye.
@@ -141,13 +172,20 @@ class Clips:
         clip, self._open[eye, which] = self._open[eye, which], []
         if self.failure:
             return
+        shown, truth = (np.stack([getattr(one, name) for _, one in clip]) for name in ("shown", "truth"))
+        asks, answers = self._process.stdin, self._process.stdout
         try:
-            shown, truth = (np.stack([getattr(one, name) for _, one in clip]) for name in ("shown", "truth"))
-            jod, alone = self._process.submit(_rated, self.display, shown, truth).result()
-        except Exception as error:  # whatever torch and its friends raise there
-            why = self._process.explained(error)
-            self.failure = f"JOD could not be measured: {str(why) or type(why).__name__}"
+            pickle.dump((self.display, shown, truth), asks)  # type: ignore[arg-type]
+            asks.flush()  # type: ignore[union-attr]
+            answer = pickle.load(answers)  # type: ignore[arg-type]
+        except (OSError, EOFError, pickle.UnpicklingError):
+            status = self._process.wait()
+            why = signal.strsignal(-status) if status < 0 else f"exit status {status}"
+            answer = f"the process that rates ended ({why})"
+        if isinstance(answer, str):
+            self.failure = f"JOD could not be measured: {answer}; the run goes on without it"
             return
+        jod, alone = answer
         for (number, _), value in zip(clip, alone, strict=True):
             self.refreshes[number, eye, which] = value
         self._clips[which].append((clip[0][0], len(clip), jod))

@@ -319,7 +319,7 @@ def near_discontinuity(inverse_depth: NDArray[Any]) -> NDArray[np.bool_]:
         jump[:, :-1] &= change > allowed[:, :-1]
         pixels[:, :-1] |= jump
         pixels[:, 1:] |= jump
-    from scipy.ndimage import binary_dilation  # worker processes that measure no regions do not wait for it
+    from scipy.ndimage import binary_dilation
 
     return np.asarray(binary_dilation(near, np.ones((3, 3)), iterations=EDGE_WIDTH_PX - 1))
 

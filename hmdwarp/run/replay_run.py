@@ -16,7 +16,7 @@ from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu.textures import download
 from ..link.options import ALL, DROP
-from ..metrics import TRUTH_JOD, Clips, Kept, MeasuringProcesses, QualityPool, pooled, worker_count
+from ..metrics import TRUTH_JOD, Clips, Kept, MeasuringThreads, QualityPool, pooled, worker_count
 from ..options import AUTO
 from ..pipeline.options import SERVER_SCENE
 from ..pipeline.recorded_source import about_second_eye, second_eye
@@ -77,8 +77,8 @@ def replay(
             def contest(key: tuple[int, int, int]) -> int | None:  # one of each second competes for the worst
                 return int(key[0] / setup.schedule.rate_hz) if key[2] == MAIN else None
 
-            with MeasuringProcesses(worker_count(options.workers)) as processes:
-                pool = QualityPool(processes, worst=WORST_FRAMES, bucket=contest)
+            with MeasuringThreads(worker_count(options.workers)) as threads:
+                pool = QualityPool(threads, worst=WORST_FRAMES, bucket=contest)
                 probe = Probe(setup, pool)
                 log = _run(setup, probe, out, progress)
             _write_delays(setup, out)
@@ -156,9 +156,9 @@ class NothingShown(InputError):
 
 
 def measured(
-    options: RunOptions, progress: Progress = lambda done, total: None, processes: MeasuringProcesses | None = None
+    options: RunOptions, progress: Progress = lambda done, total: None, threads: MeasuringThreads | None = None
 ) -> Measured:
-    """Run a replay without writing anything; processes: that stay for the next run.
+    """Run a replay without writing anything; threads: that stay for the next run.
 
     Errors: as replay; InputError for warp "auto" and for a video.
     """
@@ -166,7 +166,7 @@ def measured(
         raise InputError("figures without a folder: neither warp 'auto' nor a video is supported")
     with (
         set_up_replay(options, alone=True) as setup,
-        MeasuringProcesses(worker_count(options.workers)) if processes is None else nullcontext(processes) as lent,
+        MeasuringThreads(worker_count(options.workers)) if threads is None else nullcontext(threads) as lent,
     ):
         pool = QualityPool(lent)
         probe = Probe(setup, pool)

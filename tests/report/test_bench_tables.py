@@ -60,7 +60,7 @@ def test_a_baseline_is_marked_with_its_system_and_a_spread_is_that_where_nothing
 def test_columns_are_dropped_in_order_and_named():
     rows = some_rows()
     wide, narrow = printed(rows, 100), printed(rows, 70)
-    heads = ("p95", "SSIM", "flicker", "mis%", "holes%", "PSNR", "FLIP")
+    heads = ("p95", "SSIM", "flicker", "holes%", "PSNR", "FLIP")
     assert "left out" not in wide and [word for word in heads if word not in wide] == []
     assert "columns hidden (terminal too narrow): p95" in narrow and "FLIP" in narrow and "holes%" in narrow
     assert len(body(printed(rows, 48))) == len(rows)  # the least there is: warp, fill, ms and FLIP
@@ -99,14 +99,14 @@ def test_rows_with_other_conditions_are_another_case_and_one_case_needs_no_headi
 
 
 def test_an_unmeasured_row_is_a_dash_and_comes_last():
-    nothing = a_row("rotation", **aggregate([]), mismatch=None, regions={})
+    nothing = a_row("rotation", **aggregate([]), regions={})
     text = printed([nothing, a_row()])
-    assert len(re.findall("–", text)) == 9
+    assert len(re.findall("–", text)) == 8
     assert text.index("forward") < text.index("rotation")
 
 
 def test_every_column_has_a_text_for_every_row():
-    for row in (a_row(), a_row(**aggregate([]), mismatch=None, regions=None, size=None)):
+    for row in (a_row(), a_row(**aggregate([]), regions=None, size=None)):
         assert all(isinstance(column.text(row), str) and column.text(row) for column in COLUMNS.values())
     assert set(DECISION) <= set(COLUMNS)
 

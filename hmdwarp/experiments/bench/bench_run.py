@@ -10,8 +10,7 @@ import os
 import platform
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import reduce
-from operator import add, itemgetter
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +28,7 @@ from ...metrics import (
     PRIMARY,
     QUALITY,
     TRUTH_JOD,
-    MeasuringProcesses,
-    Mismatch,
+    MeasuringThreads,
     QualityJob,
     QualityPool,
     at_instants,
@@ -119,7 +117,6 @@ def row_of(
         "blocks": {str(frame): blocks_text(blocks) for frame, blocks in measured.blocks.items()},
         "regions": pooled(regions[key] for key in measured.keys),
         **({"where_seen": {"share": seen / pixels, "psnr_db": db_of(error / seen)}} if seen else {}),
-        "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
     }
 
 
@@ -236,10 +233,10 @@ def _most_bytes(gpu: Gpu) -> float:
     return measuring.MEMORY_PART * memory_bytes() if gpu.is_software else measuring.GPU_BATCH_BYTES
 
 
-def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[float], None]) -> Result:
+def run_case(threads: MeasuringThreads, case: SweepCase, step: Callable[[float], None]) -> Result:
     """Time and measure all combinations of a case; return the machine and ROWS."""
     work: BenchCase = prepared(case.what)
-    options, client, pool = work.options, load_client(work.options.client), QualityPool(processes)
+    options, client, pool = work.options, load_client(work.options.client), QualityPool(threads)
     about, most = examined()
     seconds, rate_hz = options.jod_s, options.rate_hz or work.headset.refresh_hz
     chosen = work.batched(most)
@@ -262,7 +259,7 @@ def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[flo
             found = measuring.rate_clips(setup, batch, options.instants, steps)
         ratings |= {_named(c): each for c, each in zip(batch, found, strict=True)}
     measured = [{**row, **ratings.get(_named(c), {}), "machine": about["machine"]} for c, row in rows]
-    crops = [] if options.suite else _crops(work, chosen, rows, QualityPool(processes))
+    crops = [] if options.suite else _crops(work, chosen, rows, QualityPool(threads))
     return Result({**about, ROWS: measured}, {CROPS: packed(crops)} if crops else {})
 
 
@@ -525,7 +522,7 @@ _KEY = (
     *("strategy", "warp", "fill"),
 )
 # Of the picture, not of the machine that made it.
-_QUALITY = ("quality", "measured", "at_instants", "regions", "mismatch", "blocks", "frames", "jod", "where_seen")
+_QUALITY = ("quality", "measured", "at_instants", "regions", "blocks", "frames", "jod", "where_seen")
 _MACHINE = ("machine", "clock", "clocks")
 
 

@@ -107,6 +107,6 @@ def cost_text(
         drawn_s = sum(_S_PER_RUN + w * h * n * _RUN_S_PER_PIXEL for (w, h), n in zip(sizes, drawn, strict=True))
     return (
         f"suite {name} {suite.version}: {len(sizes)} cases, {sum(pictures)} pictures to measure, about "
-        f"{math.ceil(pixels * _S_PER_PIXEL / count / 60)} min for the metrics of {count} processes; without a GPU "
+        f"{math.ceil(pixels * _S_PER_PIXEL / count / 60)} min for the metrics in {count} threads; without a GPU "
         f"drawing and warping take about {math.ceil(drawn_s / 60)} min of one core more"
     )

@@ -325,7 +325,6 @@ def _columns() -> Iterator[Column]:
         yield number(f"{region}_share", f"{name} share", "%", 1, 100, keys=("regions", region, "share"))
         yield number(f"{region}_psnr_db", f"PSNR {name}", "dB", 2, keys=("regions", region, "psnr_db"))
         yield number(f"{region}_flip", f"FLIP {name}", "", 3, keys=("regions", region, "flip"))
-    yield number("mismatch", "mismatch", "%", 1, 100)
     yield from (*RATED, *map(text, ("client", "lacks", "baseline")))
     yield from (text(name, value=at("machine", name)) for name in ("gl_renderer", "gl_version"))
     yield from (number("cpu_count", keys=("machine", "cpu_count"), kind=int), text("host", value=at("machine", "host")))
@@ -347,9 +346,9 @@ def measure_label(measure: str) -> str:
 _RANKS = {metric.name: metric.bench_rank for metric in metrics_in_order() if metric.bench_rank is not None}
 _SPREAD = f"{PRIMARY}_spread"
 _TIMES = ("total_ms", "total_ms_p95")
-DECISION = ("warp", "fill", *_TIMES, *(f"{name}{end}" for name in _RANKS for end in ("", "_spread")), "mismatch")
-_HEADS = {"total_ms": "ms", "total_ms_p95": "p95", "mismatch": "mis%", _SPREAD: "±"}
-_OPTIONAL = {"total_ms_p95": 1, _SPREAD: 3.5, "mismatch": 3} | _RANKS
+DECISION = ("warp", "fill", *_TIMES, *(f"{name}{end}" for name in _RANKS for end in ("", "_spread")))
+_HEADS = {"total_ms": "ms", "total_ms_p95": "p95", _SPREAD: "±"}
+_OPTIONAL = {"total_ms_p95": 1, _SPREAD: 3.5} | _RANKS
 # Columns that go where the terminal is narrow, the least important first.
 _DROPPED_FIRST = sorted((name for name, rank in _OPTIONAL.items() if rank < math.inf), key=_OPTIONAL.__getitem__)
 _GAP = 2  # between two columns
@@ -448,8 +447,6 @@ def _caption(rows: Sequence[Row], names: Sequence[str]) -> str:
     if _SPREAD in names:
         lines.append("±: 95 % interval of the mean")
     lines += [f"ms: median per eye, {', '.join(clocks)}"]
-    if "mismatch" in names:
-        lines[-1] += "; mis%: hole for one eye only"
     if left_out := [_head(name) for name in _of_terminal(rows) if name not in names]:
         lines.append(f"columns hidden (terminal too narrow): {', '.join(left_out)}")
     return "\n".join(lines)

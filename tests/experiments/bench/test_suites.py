@@ -128,7 +128,7 @@ def test_a_rank_is_as_sure_as_heads_and_scenes_agree():
 
 def test_the_cost_is_told_before():
     text = cost_text("quick", [(1280, 800), (640, 400)], [100, 400], 1)
-    assert "2 cases, 500 pictures" in text and "about 2 min for the metrics of 1 processes" in text
+    assert "2 cases, 500 pictures" in text and "about 2 min for the metrics in 1 threads" in text
     assert "about 8 min of one core" in text  # 205 Mpx at 2.3 us
 
 
