@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import textwrap
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,7 +20,7 @@ from ._options import JSON, QUIET, Group, Said, as_json, command_line, print_res
 from ._signals import INTERRUPTED, Ended
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    pass
 
 app = typer.Typer(cls=Group, help="Rating studies: plan, run, export, analyse.", no_args_is_help=True)
 _STUDY = "The study's .toml file, or the name of a shipped study, such as thesis."
@@ -292,14 +291,13 @@ def analyse(said: Said) -> None:
 
 
 def _print(data: dict[str, Any]) -> None:
-    from ..report import best_first, counted, study_lines
+    from ..report import best_first, counted, study_lines, terminal_table
     from ._show import console, paragraph
-
-    screen = console()
 
     def table(title: str, heads: Any, lines: list[list[str]]) -> None:
         typer.echo()
-        screen.print(_as_table(title, heads, lines, screen.width))
+        names = [" ".join(head).strip() for head in heads]
+        console().print(terminal_table(names, lines, title=title, title_style="bold"))
 
     def paragraphs(texts: Iterable[str], *, apart: bool = False) -> None:
         for text in texts:
@@ -336,21 +334,6 @@ def _print(data: dict[str, Any]) -> None:
     paragraph(f"{data['compared']} BCa intervals: all resamples for ratings in steps, otherwise {drawn}.")
     if ends := ", ".join(f"{number} {status}" for status, number in data["sittings"]["counts"].items()):
         paragraph(f"Sessions: {ends}.")
-
-
-def _as_table(title: str, heads: Any, lines: list[list[str]], width: int) -> Table:
-    """Return a table for the terminal; heads of numbers are broken where it would be too wide.
-
-    It would take that from the names of the rows.
-    """
-    from ..report import terminal_table
-
-    names = [" ".join(head).strip() for head in heads]
-    cells = [max(map(len, column)) for column in zip(*lines, strict=True)] or [0] * len(names)
-    if sum(max(len(name), cell) + 1 for name, cell in zip(names, cells, strict=True)) > width:
-        folded = zip(names[1:], cells[1:], strict=True)
-        names[1:] = [textwrap.fill(name, max(cell, 1), break_long_words=False) for name, cell in folded]
-    return terminal_table(names, lines, title=title, title_style="bold")
 
 
 @attrs.frozen
