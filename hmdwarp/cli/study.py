@@ -228,7 +228,7 @@ def export(said: Said) -> None:
 
 @attrs.frozen
 class AnalyseOptions(Declared):
-    """An analysis. Errors: InputError for pilots mixed with simulated sessions."""
+    """An analysis."""
 
     sources: tuple[str, ...] = option(
         attrs.NOTHING, _SOURCE, kind=list, positional=True, metavar="FILE|STUDY", names_files=True
@@ -255,10 +255,6 @@ class AnalyseOptions(Declared):
         20_000, "Number of resamples, where they are drawn.", valid=Number(least=100, most=10_000_000)
     )
 
-    def __attrs_post_init__(self) -> None:
-        if self.pilot and self.simulated:
-            raise InputError("--pilot and --simulated: they are never mixed; analyse one after the other")
-
 
 @app.command()
 @takes(AnalyseOptions, JSON, QUIET)
@@ -273,7 +269,7 @@ def analyse(said: Said) -> None:
     from ..study.analysis.long_table import SourceOptions, ratings_from_all
 
     options = AnalyseOptions.of(said)
-    origin = "pilot" if options.pilot else "simulated" if options.simulated else ""
+    origin = _origin_of(options.pilot, options.simulated) if options.pilot or options.simulated else ""
     missing = tuple(filter(None, map(str.strip, options.missing.split(","))))
     pairs = [pair.partition("=") for pair in filter(None, options.columns.split(","))]
     if not all(role and name for role, _, name in pairs):

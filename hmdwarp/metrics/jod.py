@@ -80,17 +80,13 @@ class ShownOn:
     black_cd_m2: float = BLACK_CD_M2
 
 
-def _rated(display: ShownOn, shown: NDArray[np.uint8], truth: NDArray[np.uint8]) -> tuple[float, list[float]]:
-    """Return the JOD of a clip, and that of each of its pictures alone."""
+def _rated(display: ShownOn, shown: NDArray[np.uint8], truth: NDArray[np.uint8]) -> float:
+    """Return the JOD of a clip."""
     torch = import_extra("torch", "torch", EXTRA)
     torch.set_num_threads(1)
     with torch.inference_mode():
         metric = _metric(display, shown.shape[2], shown.shape[1])
-        jod, found = metric.predict(shown, truth, dim_order="FHWC", frames_per_second=display.rate_hz)
-        visible, count = torch.as_tensor(found["Q_per_ch"]), len(shown)
-        # Twice the same: the pooling takes a single picture for a still.
-        alone = [visible[:, :, [at, at]] if count > 1 else visible for at in range(count)]
-        return float(jod), [float(metric.do_pooling_and_jods(one)) for one in alone]
+        return float(metric.predict(shown, truth, dim_order="FHWC", frames_per_second=display.rate_hz)[0])
 
 
 @functools.cache
@@ -150,8 +146,6 @@ class Clips:
         self._open: dict[tuple[int, int], list[tuple[int, Compared]]] = defaultdict(list)
         # By which warp: (first refresh, pictures, JOD) of each clip of each eye.
         self._clips: dict[int, list[tuple[int, int, float]]] = defaultdict(list)
-        # By (refresh, eye, which warp).
-        self.refreshes: dict[tuple[int, int, int], float] = {}
 
     def add(self, number: int, eye: int, which: int, pictures: Compared) -> None:
         """Add what an eye saw at refresh `number` and what it should have seen."""
@@ -185,13 +179,10 @@ class Clips:
         if isinstance(answer, str):
             self.failure = f"JOD could not be measured: {answer}; the run goes on without it"
             return
-        jod, alone = answer
-        for (number, _), value in zip(clip, alone, strict=True):
-            self.refreshes[number, eye, which] = value
-        self._clips[which].append((clip[0][0], len(clip), jod))
+        self._clips[which].append((clip[0][0], len(clip), answer))
 
     def entry(self, which: int, others: Sequence[int] = ()) -> dict[str, Any]:
-        """Return the `jod` of summary.json: of the run, its clips and its refreshes.
+        """Return the `jod` of summary.json: of the run and its clips.
 
         mean: over clips and eyes, by their lengths. truth_preferred, preferred: the share of people
         who would prefer the truth, or this one to each of `others`.
@@ -200,12 +191,9 @@ class Clips:
         by_start: dict[int, list[float]] = defaultdict(list)
         for first, _, jod in self._clips[which]:
             by_start[first].append(jod)
-        alone = [jod for (_, _, what), jod in self.refreshes.items() if what == which]
         entry: dict[str, Any] = {
             "mean": mean,
             "clips": [{"frame": first, "jod": statistics.fmean(jods)} for first, jods in sorted(by_start.items())],
-            "refresh_mean": statistics.fmean(alone),
-            "refresh_p5": float(np.percentile(alone, 5)),
             "truth_preferred": preferring(TRUTH_JOD, mean),
             "display": attrs.asdict(self.display),
         }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 import functools
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import attrs
@@ -105,7 +105,7 @@ class QualityResult:
 
     values: dict[str, float | None]  # by metric; None where nothing could be measured
     error_map: NDArray[np.uint8] | None = None  # (h, w) bytes, FLIP 0..1 as 0..255, if the job requests it
-    regions: dict[str, dict[str, float]] | None = None  # as region_sums, if the job requests it
+    regions: NDArray[np.float64] | None = None  # as region_sums, if the job requests it
 
 
 @attrs.frozen
@@ -239,7 +239,6 @@ def measure(job: QualityJob) -> QualityResult:
 # Holes beyond the rendered field of view, other holes, what is covered near jumps of depth, and the
 # rest.
 REGIONS = ("border_holes", "inside_holes", "silhouettes", "seen")
-SUMS = ("pixels", "squared_error", "flip")
 
 # Across a plane inverse depth changes by the same step from pixel to pixel, whatever its slant.
 # Where two planes meet, the step changes by at most the step of each alone: tan(80 deg) x 0.1 deg =
@@ -326,8 +325,8 @@ def near_discontinuity(inverse_depth: NDArray[Any]) -> NDArray[np.bool_]:
 
 def region_sums(
     shown: NDArray[Any], truth: NDArray[Any], region: NDArray[np.uint8], flip_map: NDArray[Any]
-) -> dict[str, dict[str, float]]:
-    """Return the SUMS of one picture by region: squared sRGB errors as integers, and FLIP errors.
+) -> NDArray[np.float64]:
+    """Return (REGIONS, 3) sums of one picture: pixels, squared sRGB errors as integers, FLIP errors.
 
     shown, truth: (h, w, 3) uint8. region: (h, w), as of region_of. flip_map: (h, w), 0..1.
     Errors: InputError for sizes that do not belong together.
@@ -341,27 +340,20 @@ def region_sums(
     squared = np.einsum("hwc,hwc->hw", difference, difference).ravel()
     columns = (np.ones(region.size), squared, flip_map.ravel())  # float64 holds integers exactly up to 2^53
     sums = [np.bincount(region, weights=column, minlength=len(REGIONS)) for column in columns]
-    return {
-        name: {key: float(total[index]) for key, total in zip(SUMS, sums, strict=True)}
-        for index, name in enumerate(REGIONS)
-    }
+    return np.stack(sums, axis=1)[: len(REGIONS)]
 
 
-def pooled(pictures: Iterable[Mapping[str, Mapping[str, float]]]) -> dict[str, dict[str, float | None]]:
+def pooled(pictures: Iterable[NDArray[np.float64]]) -> dict[str, dict[str, float | None]]:
     """Return, by region, its share of all pixels, and PSNR and mean FLIP over its own pixels.
 
     pictures: region_sums of each. Errors are pooled before the logarithm: a picture with a small
     region counts little. A region without pixels has None; without any picture `share` is None too.
     """
-    totals = {name: dict.fromkeys(SUMS, 0.0) for name in REGIONS}
-    for picture in pictures:
-        for name in REGIONS:
-            for key in SUMS:
-                totals[name][key] += picture[name][key]
-    everything, found = sum(total["pixels"] for total in totals.values()), dict[str, dict[str, float | None]]()
-    for name, total in totals.items():
-        found[name] = {"share": 0.0 if everything else None, "psnr_db": None, "flip": None}
-        if pixels := total["pixels"]:
-            psnr_db = db_of(total["squared_error"] / (3 * pixels) / 255**2)
-            found[name] = {"share": pixels / everything, "psnr_db": psnr_db, "flip": total["flip"] / pixels}
+    totals = sum(pictures, start=np.zeros((len(REGIONS), 3)))
+    everything, found = float(totals[:, 0].sum()), dict[str, dict[str, float | None]]()
+    for name, (pixels, squared_error, flip) in zip(REGIONS, totals.tolist(), strict=True):
+        found[name] = {"share": pixels / everything if everything else None, "psnr_db": None, "flip": None}
+        if pixels:
+            psnr_db = db_of(squared_error / (3 * pixels) / 255**2)
+            found[name] |= {"psnr_db": psnr_db, "flip": flip / pixels}
     return found

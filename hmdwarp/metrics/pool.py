@@ -8,6 +8,8 @@ from concurrent.futures import ALL_COMPLETED, FIRST_COMPLETED, Future, ThreadPoo
 from typing import Any
 
 import attrs
+import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import HmdwarpError
 from ..platforms import lower_priority
@@ -100,7 +102,7 @@ class QualityPool:
         return {key: self._measured[key].values for key in sorted(self._measured)}
 
     @property
-    def regions(self) -> dict[Any, dict[str, dict[str, float]]]:
+    def regions(self) -> dict[Any, NDArray[np.float64]]:
         """The region_sums of the measured jobs that have regions=True, in the order of the keys."""
         found = ((key, self._measured[key].regions) for key in sorted(self._measured))
         return {key: regions for key, regions in found if regions is not None}

@@ -32,7 +32,6 @@ from .run_summary import OWNED, Judge, ReplayResult, result_of, write_results
 
 WORST_FRAMES = 6
 # which: 0 for the run itself, then those that it is compared with.
-JOD_COLUMNS = ("frame", "eye", "which", "jod")
 
 Progress = Callable[[int, int], None]
 
@@ -98,9 +97,6 @@ def replay(
                     name = method_name(*pair)
                     told.append(f"{100 * share:.0f} % of people would prefer it to {name} ({other['mean']:.2f} JOD)")
                 setup.notes.append(f"{'; '.join(told)}. Predicted from the pictures: no one was asked.")
-                jods = sorted(probe.clips.refreshes.items())
-                rows = [dict(zip(JOD_COLUMNS, (*at, jod), strict=True)) for at, jod in jods]
-                out.write_csv("jod.csv", rows, JOD_COLUMNS)
             if probe.second_eye["hole_share"]:
                 beside = second_eye(log.rows, probe.second_eye)
                 more["second_eye"] = beside

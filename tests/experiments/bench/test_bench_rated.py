@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import csv
-import math
 
 import attrs
-import pytest
 from ratings import crashing_torch, quiet, with_cvvdp  # noqa: F401  (a fixture)
-from replays import run
 
 from hmdwarp.experiments.bench import bench
 
@@ -52,18 +49,3 @@ def test_all_else_stays_as_it_is_in_batches_of_any_size(tmp_path, monkeypatch):
     monkeypatch.setattr("hmdwarp.run.measuring.MEMORY_PART", 0.0)
     alone = bench(attrs.evolve(RATED, out=tmp_path / "alone"))
     assert [row["jod"] for row in alone.data["rows"]] == [row["jod"] for row in rated.data["rows"]]
-
-
-@with_cvvdp
-@quiet
-def test_a_clip_is_rated_as_in_a_replay(tmp_path):
-    """The first clip of a replay of the same head, scene and warp has the same refreshes."""
-    count = 16  # of 30 refreshes the one measured is 15
-    one = attrs.evolve(RATED, warps=("forward",), fills=("none",), instants=1, out=tmp_path / "bench")
-    (row,) = bench(attrs.evolve(one, jod_s=count / 60)).data["rows"]
-    same = {name: getattr(one, name) for name in ("guard", "predict", "samples")}
-    run(tmp_path / "replay", warp="forward", latency_ms=200.0, jod_s=count / 60, **same)
-    with (tmp_path / "replay" / "jod.csv").open(encoding="utf-8", newline="") as file:
-        left = [float(row["jod"]) for row in csv.DictReader(file) if row["eye"] == "0" and int(row["frame"]) < count]
-    assert len(left) == count
-    assert row["jod"]["refresh_mean"] == pytest.approx(math.fsum(left) / count, rel=1e-12)  # rounding of a sum
