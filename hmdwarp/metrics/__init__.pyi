@@ -10,7 +10,6 @@ from .jod import ratings_of as ratings_of
 from .library.alike import flip as flip
 from .library.alike import psnr as psnr
 from .library.alike import ssim as ssim
-from .library.flicker import flicker as flicker
 from .library.holes import hole_share as hole_share
 from .metric import LEAST_STEP as LEAST_STEP
 from .metric import PRIMARY as PRIMARY

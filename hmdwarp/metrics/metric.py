@@ -42,7 +42,7 @@ class QualityJob:
     """
 
     now: Compared  # after the fill, before the lens
-    previous: Compared | None = None  # the neighbouring frame of the same eye
+    previous: Compared | None = None  # the neighbouring frame of the same eye, from which a PairPass finds flicker
     # (h, w), coverage after the warp and before the fill; anything but 0 is covered.
     covered: NDArray[np.bool_] | None = attrs.field(default=None, converter=_covered)
     truth_inverse_depth: NDArray[Any] | None = None  # (h, w), 1/m in the shown view, top row first
@@ -70,7 +70,7 @@ class QualityJob:
 
     @property
     def flicker(self) -> float | None:
-        """Flicker that a PairPass has found, in place of the frame before; None: it has not."""
+        """Flicker that a PairPass has found; None: it has not."""
         return None if self.alike is None else self.alike.flicker
 
     @property
@@ -81,7 +81,7 @@ class QualityJob:
             Input.COVERAGE: self.covered,
             Input.DEPTH: self.truth_inverse_depth,
             Input.RENDERED: None if self.rendered is None else self.rendered_size,
-            Input.PREVIOUS: self.flicker if self.previous is None else self.previous,
+            Input.PREVIOUS: self.flicker,
             Input.ALIKE: self.alike,
         }
         return Input(sum(flag.value for flag, value in there.items() if value is not None))
@@ -214,7 +214,7 @@ class _Declared:
         self._job = job
 
     def __getattr__(self, name: str) -> Any:
-        if (value := getattr(self._job, name)) is None and name != "flicker":
+        if (value := getattr(self._job, name)) is None:
             raise HmdwarpError(f"a metric reads '{name}' of a job that lacks it: its `needs` does not declare it")
         return value
 
@@ -326,7 +326,7 @@ def near_discontinuity(inverse_depth: NDArray[Any]) -> NDArray[np.bool_]:
 def region_sums(
     shown: NDArray[Any], truth: NDArray[Any], region: NDArray[np.uint8], flip_map: NDArray[Any]
 ) -> NDArray[np.float64]:
-    """Return (REGIONS, 3) sums of one picture: pixels, squared sRGB errors as integers, FLIP errors.
+    """Return (REGIONS, 3) sums of one picture: pixels, squared errors as integers, FLIP errors.
 
     shown, truth: (h, w, 3) uint8. region: (h, w), as of region_of. flip_map: (h, w), 0..1.
     Errors: InputError for sizes that do not belong together.

@@ -198,7 +198,7 @@ class PairPass:
         (wide, high), gl = size, gpu.gl
         # Of both pictures, the truth first, whose filtered rows stay for the next picture.
         self._bytes, self._has_truth = np.zeros((2, high, wide, 4), np.uint8), False
-        self._earlier, self._earlier_truth = np.zeros_like(self._bytes), np.empty(0)
+        self._earlier = np.zeros_like(self._bytes)
         # Pixels, light of bytes, what is filtered along rows, a map.
         self._pixels, self._before = (allocate(gl, (wide, 2 * high), (4, "u1")) for _ in range(2))
         self._light = allocate(gl, (256, 1), SCALAR)
@@ -236,17 +236,21 @@ class PairPass:
         return Alike(flip_map, 1 - float(self._made(self._ssim, high).mean(dtype=np.float64)))
 
     def flicker(self, now: Compared, before: Compared) -> float | None:
-        """Return the flicker of the pictures of the last run against those before them.
+        """Return the mean absolute change, 0..1, of the signed error between neighbouring frames.
 
-        None where metrics.flicker has to find it: views that hide pixels, and other sizes.
+        The two are compared at the same shown view direction: the homography of the rotation alone
+        maps the previous error to the current view (sampled bilinearly). Error that is fixed to a
+        direction in the world does not count as flicker while the head turns; error that jumps
+        does. Pixels whose direction is outside the previous picture, and those that either view
+        hides, are left out; None if none remains. Interpolation softens the previous error under
+        rotation, so pixel-sharp error counts a little even when it is steady.
         """
         wide, high = self._size
-        if before.shown.shape != (high, wide, 3) or not (now.view.hidden is before.view.hidden is None):
-            return None
-        if before.truth is not self._earlier_truth:
-            self._earlier[0, ..., :3] = self._earlier_truth = before.truth
-        self._earlier[1, ..., :3] = before.shown
-        self._before.write(self._earlier)
+        self._has_truth &= np.array_equal(self._bytes[0, ..., :3], now.truth)
+        for held, texture, one in ((self._bytes, self._pixels, now), (self._earlier, self._before, before)):
+            held[0, ..., :3], held[1, ..., :3] = one.truth, one.shown
+            held[0, ..., 3] = ~one.view.seen(self._size)
+            texture.write(held)
         for unit, texture in ((0, self._pixels), (2, self._before), (3, self._map)):
             texture.bind_to_image(unit, read=unit < 3, write=unit == 3)
         turn = WarpMap.between(now.view, self._size, before.view, self._size).H

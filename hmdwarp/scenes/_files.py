@@ -83,7 +83,7 @@ def _put(
         raise SceneError(f"{what}: say what its unit is by --scene-scale, or export it again")
     solid = [draft for draft in standing if draft.is_surface] or standing
     triangles = Triangles.of([(draft.positions, draft.triangles) for draft in solid])
-    add_hints(triangles, low, high, options.scale, options.up, notes)
+    add_hints(size, options.scale, notes)
     place = _place(options, notes, triangles, low, high, content)
     half = np.radians(place.yaw_deg) / 2  # a head at rest is there
     world_from_file = Pose(STANDING) @ Pose(place.eye, (0.0, np.sin(half), 0.0, np.cos(half))).inverse()

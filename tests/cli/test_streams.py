@@ -183,13 +183,6 @@ def test_a_file_is_refused_and_then_forced(name, command, tmp_path):
     assert len(load_trace(out).track) > 1
 
 
-@pytest.mark.parametrize("name", FOLDERS | FILES)
-def test_no_name_is_not_the_working_folder(name, command, working_folder):
-    arguments = [*FOLDERS[name][0], "--out"] if name in FOLDERS else FILES[name]
-    command(*arguments, "").refused("''", "expected a name; '.' is the working folder")
-    assert [path.name for path in working_folder.iterdir()] == ["ratings.csv"]
-
-
 def test_record_says_what_a_full_disk_has_taken(program, tmp_path):
     out = tmp_path / "walk.csv"
     done = program(
