@@ -23,14 +23,6 @@ def summary(quick: list[str]) -> dict:
     return json.loads((Path(quick[-1]) / "summary.json").read_text())
 
 
-def test_guard_auto_is_settled_and_told(command, quick):
-    loud = [word for word in quick if word != "--quiet"]
-    told = command("replay", "look-around", *loud, *SMALL, "--guard", "auto").done().out
-    found = summary(quick)["guard"]
-    assert 1 < found <= 2
-    assert f"--guard {found}" in told and "Guard auto: to lose nothing at 95% of the refreshes takes" in told
-
-
 def test_wide_goes_before_the_other_fills_and_closes_the_border(command, quick):
     """The head has turned away from the rendered picture.
 

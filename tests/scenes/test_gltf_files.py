@@ -25,7 +25,7 @@ from .glb import IN_PLACE
 FILES = Path(__file__).parent / "files"
 GOLDEN = FILES.with_suffix(".txt")
 STATED = tomllib.loads(FILES.with_suffix(".toml").read_text(encoding="utf-8"))
-NAMES = sorted(path.name for path in FILES.iterdir() if path.suffix not in (".mtl", ".png"))
+NAMES = sorted(path.name for path in FILES.iterdir() if path.suffix not in (".mtl", ".png", ".serialized"))
 NUMBER = re.compile(r"-?\d+\.\d+")
 AT_NS = (0, 300_000_000, 1_100_000_000, 2_700_000_000)
 
