@@ -340,7 +340,7 @@ def region_sums(
     squared = np.einsum("hwc,hwc->hw", difference, difference).ravel()
     columns = (np.ones(region.size), squared, flip_map.ravel())  # float64 holds integers exactly up to 2^53
     sums = [np.bincount(region, weights=column, minlength=len(REGIONS)) for column in columns]
-    return np.stack(sums, axis=1)[: len(REGIONS)]
+    return np.array(sums, np.float64).T[: len(REGIONS)]
 
 
 def pooled(pictures: Iterable[NDArray[np.float64]]) -> dict[str, dict[str, float | None]]:
