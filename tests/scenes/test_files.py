@@ -132,12 +132,6 @@ def test_a_scene_far_from_the_origin_keeps_its_float64_place(tmp_path):
     assert np.allclose(world_corners(scene)[0], (1000000.125, 0, 0), atol=1e-6)
 
 
-@pytest.mark.parametrize("place", ["1,2", "1,2,nan", "1,2,3,4,5"])
-def test_a_viewpoint_of_too_few_or_odd_numbers_is_refused(place):
-    with pytest.raises(InputError, match=r"viewpoint '.*': expected X,Y,Z or X,Y,Z,YAW"):
-        SceneOptions(viewpoint=place)
-
-
 @pytest.mark.parametrize("option", [{"scale": 0.01}, {"up": "z"}, {"viewpoint": "0,1,2"}, {"animation": "none"}])
 def test_scenes_of_the_library_take_no_options_of_files(option):
     (name,) = option
