@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import textwrap
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -290,10 +291,17 @@ def _print(data: dict[str, Any]) -> None:
     from ..report import best_first, counted, study_lines, terminal_table
     from ._show import console, paragraph
 
+    screen = console()
+
     def table(title: str, heads: Any, lines: list[list[str]]) -> None:
         typer.echo()
         names = [" ".join(head).strip() for head in heads]
-        console().print(terminal_table(names, lines, title=title, title_style="bold"))
+        cells = [max(map(len, column)) for column in zip(*lines, strict=True)] or [0] * len(names)
+        if sum(max(len(name), cell) + 1 for name, cell in zip(names, cells, strict=True)) > screen.width:
+            # It would take that from the names of the rows.
+            folded = zip(names[1:], cells[1:], strict=True)
+            names[1:] = [textwrap.fill(name, max(cell, 1), break_long_words=False) for name, cell in folded]
+        screen.print(terminal_table(names, lines, title=title, title_style="bold"))
 
     def paragraphs(texts: Iterable[str], *, apart: bool = False) -> None:
         for text in texts:
