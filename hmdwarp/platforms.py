@@ -66,7 +66,7 @@ def memory_bytes() -> float:
 
 
 def lower_priority(steps: int) -> None:
-    """Run after others."""
+    """Run this thread after others; elsewhere than on Linux the whole program."""
     if hasattr(os, "nice"):
         os.nice(steps)
 

@@ -25,4 +25,4 @@ def crashing_torch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
         (tmp_path / "packages" / name).mkdir(parents=True)
         (tmp_path / "packages" / name / "__init__.py").write_text(text)
     monkeypatch.syspath_prepend(tmp_path / "packages")
-    return "JOD could not be measured: a measuring process ended (Segmentation fault); the run goes on without JOD"
+    return "JOD could not be measured: the process that rates ended (Segmentation fault); the run goes on without it"

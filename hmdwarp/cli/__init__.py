@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import errno
 import os
-import re
 import signal
 import sys
 from contextlib import suppress
@@ -87,7 +86,7 @@ def _leave_by_unforeseen(error: Exception) -> NoReturn:
     # no one base class to name.
     if hasattr(error, "format_message"):
         command = getattr(getattr(error, "ctx", None), "command_path", "hmdwarp")
-        what = f"{_with_value(error.format_message())} ('{command} --help' shows what there is)"
+        what = f"{error.format_message()} ('{command} --help' shows what there is)"
         _leave(instead_of(sys.argv[1:]) or what, 2)
     if os.environ.get("HMDWARP_DEBUG"):
         raise error
@@ -99,19 +98,6 @@ def _leave_by_unforeseen(error: Exception) -> NoReturn:
     if isinstance(error, MemoryError):
         _leave("out of memory: use a smaller --size, a shorter --latency or fewer --images", 3)
     _leave(f"a fault of hmdwarp, please report it: {type(error).__name__}: {error} (HMDWARP_DEBUG=1 shows where)", 1)
-
-
-def _with_value(message: str) -> str:
-    """Add what was typed to a message that names the option alone: typer's on numbers do."""
-    found = re.match(r"Invalid value for '(--[a-z-]+)'", message)
-    if found is None:
-        return message
-    typed = [
-        word.partition("=")[2] if "=" in word else (sys.argv + [""])[place + 1]
-        for place, word in enumerate(sys.argv)
-        if word == found[1] or word.startswith(f"{found[1]}=")
-    ]
-    return message.replace(found[0], f"{found[0]}, '{typed[-1]}'", 1) if typed and typed[-1] not in message else message
 
 
 def _leave(message: str, status: int) -> NoReturn:

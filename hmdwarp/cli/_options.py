@@ -24,6 +24,7 @@ HELP_ALL = "--help-all"
 _MANY = 40  # options
 _LONG = 1000  # characters: longer than any first sentence
 _NOT_TYPED = ("DEFAULT", "DEFAULT_MAP")
+_NUMBERS: dict[type, str] = {int: "<int>", float: "<float>"}  # kinds of options, and how help calls a value
 
 
 class Group(TyperGroup):
@@ -129,16 +130,22 @@ def _read(option: Option, value: Any) -> Any:
         if isinstance(text, str) and not text.strip() and not option.may_be_empty:
             more = "" if option.required else "; leave it out for the default"
             raise InputError(f"{option.flag} '{text}': expected {option.limits or 'a value'}{more}")
-    return value
+    if option.kind not in _NUMBERS:
+        return value
+    try:
+        return option.kind(value.encode("ascii", "replace"))
+    except ValueError as error:
+        expected = option.limits or ("a whole number" if option.kind is int else "a number")
+        raise InputError(f"{option.flag} '{value}': expected {expected}") from error
 
 
 def _parameter(option: Option) -> inspect.Parameter:
-    # Paths as texts: an empty one is no path.
-    kinds: dict[Any, Any] = {list: list[str], Path: str}
-    kind = kinds.get(option.kind, option.kind)
+    # Paths and numbers as texts: see _read.
+    kind: Any = list[str] if option.kind is list else bool if option.kind is bool else str
     default = inspect.Parameter.empty if option.required else option.default
-    default = str(default) if isinstance(default, Path) else default
-    metavar = option.flag if option.positional else option.metavar or ("PATH" if option.kind is Path else None)
+    default = str(default) if isinstance(default, Path | int | float) and option.kind is not bool else default
+    words = {Path: "PATH"} | _NUMBERS
+    metavar = option.flag if option.positional else option.metavar or words.get(option.kind)
     about: dict[str, Any] = {"help": option.help, "metavar": metavar, "rich_help_panel": option.heading or None}
     if default in (None, ""):  # "" as None, to tell it from an empty text that was typed
         kind, default, about["show_default"] = kind | None, None, False

@@ -7,7 +7,7 @@ import shutil
 import textwrap
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from itertools import chain
 from typing import TYPE_CHECKING, Any
@@ -16,13 +16,11 @@ import typer
 
 from ..run.requirements import Requirements
 from ._options import Said, print_results
-from ._signals import end_if_asked
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 LINE_EVERY_S = 10.0  # of progress where there is no terminal
-ESTIMATE_AFTER_S = 3.0
 _WIDEST = 110  # longer lines are hard to read
 
 
@@ -50,66 +48,49 @@ def steps(what: str, *, quiet: bool) -> Iterator[tuple[Callable[[int, int], None
     screen = console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     bar = Progress(*columns, console=screen, transient=True, disable=quiet or not screen.is_terminal)
-    lines = _Lines(what)
-    with bar, lines.printed(screen) if bar.disable and not quiet else nullcontext():
+    steps_s: list[tuple[float, int, int]] = []  # when the first one was done and the last, with done and total
+
+    def progress(done: int, total: int) -> None:
+        bar.update(task, completed=done, total=total or None)
+        if done:
+            steps_s[1:] = [(time.monotonic(), done, total)]
+
+    with bar, _lines(screen, lambda: progress_line(what, steps_s)) if bar.disable and not quiet else nullcontext():
         task = bar.add_task(what, total=None)
-
-        def progress(done: int, total: int) -> None:
-            end_if_asked()
-            bar.update(task, completed=done, total=total or None)
-            lines.update(done, total, time.monotonic())
-
         yield progress, screen
 
 
-class _Lines:
-    """Progress in lines of text. The first comes as soon as the first steps allow an estimate."""
+def progress_line(what: str, steps_s: Sequence[tuple[float, int, int]]) -> str:
+    """Return how far a run is, by its first step, which would mislead by itself, and its last."""
+    if not steps_s:
+        return f"{what}: still preparing"
+    (began_s, first, _), (now_s, done, total) = steps_s[0], steps_s[-1]
+    line = f"{what}: {done}" + (f" of {total}" if total else "")
+    if done == total:
+        return f"{line}; the last pictures are measured, then the results are written"
+    if first < done < total:
+        whole = max(1, round((now_s - began_s) / (done - first) * (total - done)))
+        line += f", about {f'{whole} s' if whole < 120 else f'{round(whole / 60)} min'} to go"
+    return line
 
-    def __init__(self, what: str) -> None:
-        self._what = what
-        self._began: tuple[float, int] | None = None
-        self._now: tuple[float, int, int] | None = None
-        self._estimated = threading.Event()
 
-    def update(self, done: int, total: int, now_s: float) -> None:
-        if self._began is None and done:
-            self._began = now_s, done  # the first step warms up caches and shaders: it would mislead
-        self._now = now_s, done, total
-        if self._began is not None and now_s - self._began[0] >= ESTIMATE_AFTER_S:
-            self._estimated.set()
+@contextmanager
+def _lines(screen: Console, line: Callable[[], str]) -> Iterator[None]:
+    """Print a line every LINE_EVERY_S until the block ends."""
+    over = threading.Event()
 
-    def line(self) -> str:
-        if self._began is None or self._now is None:
-            return f"{self._what}: still preparing"
-        (began_s, first), (now_s, done, total) = self._began, self._now
-        line = f"{self._what}: {done}" + (f" of {total}" if total else "")
-        if done == total:
-            return f"{line}; the last pictures are measured, then the results are written"
-        if first < done < total:
-            whole = max(1, round((now_s - began_s) / (done - first) * (total - done)))
-            line += f", about {f'{whole} s' if whole < 120 else f'{round(whole / 60)} min'} to go"
-        return line
+    def run() -> None:
+        while not over.wait(LINE_EVERY_S):
+            with suppress(OSError):  # the reader is gone
+                screen.print(line(), soft_wrap=True)
 
-    @contextmanager
-    def printed(self, screen: Console) -> Iterator[None]:
-        """Print lines until the block ends."""
-        over = threading.Event()
-
-        def run() -> None:
-            self._estimated.wait(LINE_EVERY_S)
-            while not over.is_set():
-                with suppress(OSError):  # the reader is gone
-                    screen.print(self.line(), soft_wrap=True)
-                over.wait(LINE_EVERY_S)
-
-        thread = threading.Thread(target=run, name="progress", daemon=True)
-        thread.start()
-        try:
-            yield
-        finally:
-            over.set()
-            self._estimated.set()
-            thread.join()
+    thread = threading.Thread(target=run, name="progress", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
 
 
 def sayer(quiet: bool) -> Callable[[str], None]:

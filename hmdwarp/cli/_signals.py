@@ -9,7 +9,6 @@ import threading
 
 INTERRUPTED = 130  # the shells' status for Ctrl-C: 128 + SIGINT
 _AGAIN_S = 0.05  # after which a callback that swallowed the exception has returned
-_came: list[int] = []
 
 
 class Ended(BaseException):
@@ -25,7 +24,6 @@ def end_cleanly() -> None:
 
     def end(number: int, _: object) -> None:
         signal.signal(number, signal.SIG_IGN)
-        _came[:] = [number]
         raise Ended(number)
 
     def dropped(about: sys.UnraisableHookArgs) -> None:
@@ -34,7 +32,7 @@ def end_cleanly() -> None:
             return
         (number,) = about.exc_value.args
         signal.signal(number, end)
-        again = threading.Timer(_AGAIN_S, lambda: os.kill(os.getpid(), number) if _came else None)
+        again = threading.Timer(_AGAIN_S, os.kill, (os.getpid(), number))
         again.daemon = True
         again.start()
 
@@ -45,13 +43,3 @@ def end_cleanly() -> None:
         # Nohup ignores SIGHUP, and is obeyed.
         if number is not None and signal.getsignal(number) == signal.SIG_DFL:
             signal.signal(number, end)
-
-
-def end_if_asked(*_: object) -> None:
-    """Raise Ended again, once, if a signal came and its exception was lost; call after every step.
-
-    Python drops what is raised inside a destructor or a callback of the garbage collector, and the
-    signal with it.
-    """
-    if _came:
-        raise Ended(_came.pop())

@@ -300,16 +300,12 @@ _ONE = {"lenses": "lens", "studies": "study", "axes": "axes preset"}
 
 @attrs.frozen
 class ListOptions(Declared):
-    """What to list, and how. Errors: InputError for two forms at once."""
+    """What to list, and how."""
 
     kind: str | None = option(None, f"One of {', '.join(KINDS)}; by default these kinds are listed.", positional=True)
     name: str | None = option(None, "Show everything about this one; a headset may be a file.", positional=True)
     json: bool = option(False, "Everything, as a JSON array of objects.")
     markdown: bool = option(False, "Everything, as a Markdown table.")
-
-    def __attrs_post_init__(self) -> None:
-        if self.json and self.markdown:
-            raise InputError("--json and --markdown: expected one of the two")
 
 
 @takes(ListOptions)
@@ -318,6 +314,8 @@ def list_(said: Said) -> None:
     from ._show import in_columns, paragraph
 
     options = ListOptions.of(said)
+    if options.json and options.markdown:
+        raise InputError("--json and --markdown: expected one of the two")
     rows = _rows(options.kind, options.name)
     columns = list(rows[0])  # the same in all
     if options.json:

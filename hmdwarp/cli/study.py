@@ -21,7 +21,7 @@ from ._options import JSON, QUIET, Group, Said, as_json, command_line, print_res
 from ._signals import INTERRUPTED, Ended
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    pass
 
 app = typer.Typer(cls=Group, help="Rating studies: plan, run, export, analyse.", no_args_is_help=True)
 _STUDY = "The study's .toml file, or the name of a shipped study, such as thesis."
@@ -229,7 +229,7 @@ def export(said: Said) -> None:
 
 @attrs.frozen
 class AnalyseOptions(Declared):
-    """An analysis. Errors: InputError for pilots mixed with simulated sessions."""
+    """An analysis."""
 
     sources: tuple[str, ...] = option(
         attrs.NOTHING, _SOURCE, kind=list, positional=True, metavar="FILE|STUDY", names_files=True
@@ -256,10 +256,6 @@ class AnalyseOptions(Declared):
         20_000, "Number of resamples, where they are drawn.", valid=Number(least=100, most=10_000_000)
     )
 
-    def __attrs_post_init__(self) -> None:
-        if self.pilot and self.simulated:
-            raise InputError("--pilot and --simulated: they are never mixed; analyse one after the other")
-
 
 @app.command()
 @takes(AnalyseOptions, JSON, QUIET)
@@ -274,7 +270,7 @@ def analyse(said: Said) -> None:
     from ..study.analysis.long_table import SourceOptions, ratings_from_all
 
     options = AnalyseOptions.of(said)
-    origin = "pilot" if options.pilot else "simulated" if options.simulated else ""
+    origin = _origin_of(options.pilot, options.simulated) if options.pilot or options.simulated else ""
     missing = tuple(filter(None, map(str.strip, options.missing.split(","))))
     pairs = [pair.partition("=") for pair in filter(None, options.columns.split(","))]
     if not all(role and name for role, _, name in pairs):
@@ -292,14 +288,20 @@ def analyse(said: Said) -> None:
 
 
 def _print(data: dict[str, Any]) -> None:
-    from ..report import best_first, counted, study_lines
+    from ..report import best_first, counted, study_lines, terminal_table
     from ._show import console, paragraph
 
     screen = console()
 
     def table(title: str, heads: Any, lines: list[list[str]]) -> None:
         typer.echo()
-        screen.print(_as_table(title, heads, lines, screen.width))
+        names = [" ".join(head).strip() for head in heads]
+        cells = [max(map(len, column)) for column in zip(*lines, strict=True)] or [0] * len(names)
+        if sum(max(len(name), cell) + 1 for name, cell in zip(names, cells, strict=True)) > screen.width:
+            # It would take that from the names of the rows.
+            folded = zip(names[1:], cells[1:], strict=True)
+            names[1:] = [textwrap.fill(name, max(cell, 1), break_long_words=False) for name, cell in folded]
+        screen.print(terminal_table(names, lines, title=title, title_style="bold"))
 
     def paragraphs(texts: Iterable[str], *, apart: bool = False) -> None:
         for text in texts:
@@ -336,21 +338,6 @@ def _print(data: dict[str, Any]) -> None:
     paragraph(f"{data['compared']} BCa intervals: all resamples for ratings in steps, otherwise {drawn}.")
     if ends := ", ".join(f"{number} {status}" for status, number in data["sittings"]["counts"].items()):
         paragraph(f"Sessions: {ends}.")
-
-
-def _as_table(title: str, heads: Any, lines: list[list[str]], width: int) -> Table:
-    """Return a table for the terminal; heads of numbers are broken where it would be too wide.
-
-    It would take that from the names of the rows.
-    """
-    from ..report import terminal_table
-
-    names = [" ".join(head).strip() for head in heads]
-    cells = [max(map(len, column)) for column in zip(*lines, strict=True)] or [0] * len(names)
-    if sum(max(len(name), cell) + 1 for name, cell in zip(names, cells, strict=True)) > width:
-        folded = zip(names[1:], cells[1:], strict=True)
-        names[1:] = [textwrap.fill(name, max(cell, 1), break_long_words=False) for name, cell in folded]
-    return terminal_table(names, lines, title=title, title_style="bold")
 
 
 @attrs.frozen

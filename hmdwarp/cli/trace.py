@@ -17,7 +17,6 @@ from ..poses.options import MOTIONS, TraceOptions
 from ._options import JSON, Group, Said, as_json, takes
 
 if TYPE_CHECKING:
-    from rich.console import Console
     from rich.table import Table
 
 app = typer.Typer(cls=Group, help="Inspect and convert head traces, or write synthetic ones.", no_args_is_help=True)
@@ -37,6 +36,8 @@ def info(said: Said) -> None:
     """Show rate, duration, gaps, speeds, what latency costs, and every defect with its repair."""
     from rich.console import Console
 
+    from ._show import in_columns
+
     if said["plot"] is not None:
         report.refuse_existing(said["plot"], force=said["force"])
     loaded = poses.load_trace(said["trace"], TraceOptions.of(said))
@@ -49,10 +50,12 @@ def info(said: Said) -> None:
     console = Console()
     if not console.is_terminal:
         console = Console(width=120, soft_wrap=True)
+    in_columns(_facts(loaded, figures).items())
     for table in _tables(loaded, figures):
-        console.print(table)
         console.print()
-    _print_defects(console, loaded)
+        console.print(table)
+    console.print()
+    _tell_defects(loaded)
 
 
 @app.command()
@@ -63,8 +66,6 @@ def convert(said: Said) -> None:
     One segment, unit quaternions without sign flips, rising time, metres; OpenXR axes, in MCAP
     those of ROS.
     """
-    from rich.console import Console
-
     from ..poses.formats import formats
 
     to, out = said["to"], said["out"]
@@ -80,13 +81,9 @@ def convert(said: Said) -> None:
     report.write_stream(
         out, lambda stream: target.write(loaded.track, stream), source=loaded.path, binary=target.binary
     )
-    console = Console(stderr=True)
-    _print_defects(console, loaded)
-    for line in (
-        f"axes read: {loaded.axes}; written: {target.axes_written}",
-        f"{_written(out, loaded.track)}, format {to}",
-    ):
-        console.print(line, markup=False, highlight=False)
+    _tell_defects(loaded, err=True)
+    typer.echo(f"axes read: {loaded.axes}; written: {target.axes_written}", err=True)
+    typer.echo(f"{_written(out, loaded.track)}, format {to}", err=True)
 
 
 def _written(out: Path, track: poses.PoseTrack) -> str:
@@ -128,11 +125,7 @@ def synth(said: Said) -> None:
     typer.echo(f"{_written(options.out, track)}, {track.origin}", err=True)
 
 
-def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Table]:
-    """Yield the tables of facts, of speeds, of what latency costs, and of what was assumed."""
-    from rich.table import Table
-    from rich.text import Text
-
+def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> dict[str, str]:
     gaps = "none"
     if figures.gaps:
         longest = max(figures.gaps, key=lambda gap: gap["length_s"])
@@ -140,7 +133,7 @@ def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Tabl
             f"{len(figures.gaps)} longer than {loaded.track.max_gap_ns / 1e6:g} ms, the longest "
             f"{longest['length_s']:.3f} s from {longest['start_s']:.3f} s"
         )
-    rows = {
+    return {
         "trace": str(loaded.path),
         "format": loaded.format,
         "origin": loaded.track.origin or "not stated in the file",
@@ -154,12 +147,10 @@ def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Tabl
         "jumps": str(figures.jumps or "none"),
         "gaze": "none" if figures.gaze_known is None else f"known in {figures.gaze_known:.1%} of the samples",
     }
-    facts = Table(show_header=False, box=None, pad_edge=False)
-    facts.add_column(style="bold", no_wrap=True)
-    facts.add_column(overflow="fold")
-    for name, value in rows.items():
-        facts.add_row(name, Text(value))
-    yield facts
+
+
+def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Table]:
+    """Yield the tables of speeds, of what latency costs, and of what was assumed."""
     heads = ("", *(f"p{p:g}" for p in poses.SPEED_PERCENTILES))
     short = "trace too short"
     turning = ("turning, deg/s", *(f"{v:.1f}" if math.isfinite(v) else short for v in figures.angular_speed_deg_s))
@@ -193,10 +184,7 @@ def _angle(degrees: float) -> str:
     return f"{degrees:.2f}" if degrees < 10 else f"{degrees:.1f}"
 
 
-def _print_defects(console: Console, loaded: poses.LoadedTrace) -> None:
-    from rich.text import Text
-
+def _tell_defects(loaded: poses.LoadedTrace, *, err: bool = False) -> None:
     found = counted(len(loaded.defects), "defect") if loaded.defects else "no defects"
-    console.print(f"{found} found", style="bold")
-    for defect in loaded.defects:
-        console.print(Text(f"  {defect}"))
+    for line in (typer.style(f"{found} found", bold=True), *(f"  {defect}" for defect in loaded.defects)):
+        typer.echo(line, err=err)

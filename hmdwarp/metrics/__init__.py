@@ -1,4 +1,4 @@
-"""Errors of the shown picture against the truth: quality, holes, flicker; in worker processes.
+"""Errors of the shown picture against the truth: quality, holes, flicker.
 
     hmdwarp.metrics.psnr(shown, truth), .ssim(shown, truth), .flip(shown, truth, pixels_per_degree)
 

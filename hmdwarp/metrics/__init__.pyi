@@ -10,7 +10,6 @@ from .jod import ratings_of as ratings_of
 from .library.alike import flip as flip
 from .library.alike import psnr as psnr
 from .library.alike import ssim as ssim
-from .library.flicker import flicker as flicker
 from .library.holes import hole_share as hole_share
 from .metric import LEAST_STEP as LEAST_STEP
 from .metric import PRIMARY as PRIMARY
@@ -34,9 +33,7 @@ from .picture_pairs import BOUND as BOUND
 from .picture_pairs import PSNR_CAP_DB as PSNR_CAP_DB
 from .picture_pairs import Alike as Alike
 from .picture_pairs import Compared as Compared
-from .picture_pairs import Mismatch as Mismatch
 from .picture_pairs import PairPass as PairPass
-from .picture_pairs import SharedSurface as SharedSurface
 from .picture_pairs import block_means as block_means
 from .picture_pairs import blocks_apart as blocks_apart
 from .picture_pairs import blocks_text as blocks_text
@@ -44,7 +41,7 @@ from .picture_pairs import db_of as db_of
 from .picture_pairs import error_image as error_image
 from .picture_pairs import pixel_centres as pixel_centres
 from .pool import Kept as Kept
-from .pool import MeasuringProcesses as MeasuringProcesses
+from .pool import MeasuringThreads as MeasuringThreads
 from .pool import QualityPool as QualityPool
 from .pool import keep_worst as keep_worst
 from .pool import worker_count as worker_count

@@ -13,7 +13,12 @@ from __future__ import annotations
 
 import functools
 import importlib.util
+import os
+import pickle
+import signal
 import statistics
+import subprocess
+import sys
 import weakref
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -27,7 +32,6 @@ from ..errors import MachineError
 from ..resources import import_extra, missing_extra
 from .metric import Figure
 from .picture_pairs import Compared
-from .pool import MeasuringProcesses
 
 EXTRA, MODULES = "jod", {"pycvvdp": "cvvdp", "torch": "torch"}
 TRUTH_JOD = 10.0
@@ -76,17 +80,13 @@ class ShownOn:
     black_cd_m2: float = BLACK_CD_M2
 
 
-def _rated(display: ShownOn, shown: NDArray[np.uint8], truth: NDArray[np.uint8]) -> tuple[float, list[float]]:
-    """Return the JOD of a clip, and that of each of its pictures alone; run in a worker."""
+def _rated(display: ShownOn, shown: NDArray[np.uint8], truth: NDArray[np.uint8]) -> float:
+    """Return the JOD of a clip."""
     torch = import_extra("torch", "torch", EXTRA)
     torch.set_num_threads(1)
     with torch.inference_mode():
         metric = _metric(display, shown.shape[2], shown.shape[1])
-        jod, found = metric.predict(shown, truth, dim_order="FHWC", frames_per_second=display.rate_hz)
-        visible, count = torch.as_tensor(found["Q_per_ch"]), len(shown)
-        # Twice the same: the pooling takes a single picture for a still.
-        alone = [visible[:, :, [at, at]] if count > 1 else visible for at in range(count)]
-        return float(jod), [float(metric.do_pooling_and_jods(one)) for one in alone]
+        return float(metric.predict(shown, truth, dim_order="FHWC", frames_per_second=display.rate_hz)[0])
 
 
 @functools.cache
@@ -98,6 +98,28 @@ def _metric(on: ShownOn, width: int, height: int) -> Any:
     place = module.vvdp_display_geometry((width, height), ppd=on.pixels_per_degree)
     cpu = import_extra("torch", "torch", EXTRA).device("cpu")
     return module.cvvdp(display_photometry=light, display_geometry=place, quiet=True, device=cpu)
+
+
+def serve() -> None:
+    """Rate clips from standard input until it ends; answer with figures, or why there are none."""
+    with os.fdopen(os.dup(1), "wb") as answers:
+        os.dup2(2, 1)  # what libraries print
+        while True:
+            try:
+                clip = pickle.load(sys.stdin.buffer)
+            except EOFError:
+                return
+            try:
+                answer: Any = _rated(*clip)
+            except Exception as error:  # whatever torch and its friends raise
+                answer = str(error) or type(error).__name__
+            pickle.dump(answer, answers)
+            answers.flush()
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    process.kill()
+    process.communicate()
 
 
 class Clips:
@@ -113,14 +135,17 @@ class Clips:
         self.display = display
         self.length = clip_length(seconds, display.rate_hz)  # pictures of a whole clip
         self.failure = ""  # in one line; empty while all went well
-        self._process = MeasuringProcesses(1, "the run goes on without JOD")
-        weakref.finalize(self, self._process.close)
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-c", f"import {__name__} as rating; rating.serve()"],
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            start_new_session=True,  # Ctrl-C is not for it
+        )  # fmt: skip
+        weakref.finalize(self, _end, self._process)
         # By (eye, which warp): the pictures of the present clip.
         self._open: dict[tuple[int, int], list[tuple[int, Compared]]] = defaultdict(list)
         # By which warp: (first refresh, pictures, JOD) of each clip of each eye.
         self._clips: dict[int, list[tuple[int, int, float]]] = defaultdict(list)
-        # By (refresh, eye, which warp).
-        self.refreshes: dict[tuple[int, int, int], float] = {}
 
     def add(self, number: int, eye: int, which: int, pictures: Compared) -> None:
         """Add what an eye saw at refresh `number` and what it should have seen."""
@@ -141,19 +166,23 @@ class Clips:
         clip, self._open[eye, which] = self._open[eye, which], []
         if self.failure:
             return
+        shown, truth = (np.stack([getattr(one, name) for _, one in clip]) for name in ("shown", "truth"))
+        asks, answers = self._process.stdin, self._process.stdout
         try:
-            shown, truth = (np.stack([getattr(one, name) for _, one in clip]) for name in ("shown", "truth"))
-            jod, alone = self._process.submit(_rated, self.display, shown, truth).result()
-        except Exception as error:  # whatever torch and its friends raise there
-            why = self._process.explained(error)
-            self.failure = f"JOD could not be measured: {str(why) or type(why).__name__}"
+            pickle.dump((self.display, shown, truth), asks)  # type: ignore[arg-type]
+            asks.flush()  # type: ignore[union-attr]
+            answer = pickle.load(answers)  # type: ignore[arg-type]
+        except (OSError, EOFError, pickle.UnpicklingError):
+            status = self._process.wait()
+            why = signal.strsignal(-status) if status < 0 else f"exit status {status}"
+            answer = f"the process that rates ended ({why})"
+        if isinstance(answer, str):
+            self.failure = f"JOD could not be measured: {answer}; the run goes on without it"
             return
-        for (number, _), value in zip(clip, alone, strict=True):
-            self.refreshes[number, eye, which] = value
-        self._clips[which].append((clip[0][0], len(clip), jod))
+        self._clips[which].append((clip[0][0], len(clip), answer))
 
     def entry(self, which: int, others: Sequence[int] = ()) -> dict[str, Any]:
-        """Return the `jod` of summary.json: of the run, its clips and its refreshes.
+        """Return the `jod` of summary.json: of the run and its clips.
 
         mean: over clips and eyes, by their lengths. truth_preferred, preferred: the share of people
         who would prefer the truth, or this one to each of `others`.
@@ -162,12 +191,9 @@ class Clips:
         by_start: dict[int, list[float]] = defaultdict(list)
         for first, _, jod in self._clips[which]:
             by_start[first].append(jod)
-        alone = [jod for (_, _, what), jod in self.refreshes.items() if what == which]
         entry: dict[str, Any] = {
             "mean": mean,
             "clips": [{"frame": first, "jod": statistics.fmean(jods)} for first, jods in sorted(by_start.items())],
-            "refresh_mean": statistics.fmean(alone),
-            "refresh_p5": float(np.percentile(alone, 5)),
             "truth_preferred": preferring(TRUTH_JOD, mean),
             "display": attrs.asdict(self.display),
         }

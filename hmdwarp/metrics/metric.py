@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 import functools
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import attrs
@@ -42,7 +42,7 @@ class QualityJob:
     """
 
     now: Compared  # after the fill, before the lens
-    previous: Compared | None = None  # the neighbouring frame of the same eye
+    previous: Compared | None = None  # the neighbouring frame of the same eye, from which a PairPass finds flicker
     # (h, w), coverage after the warp and before the fill; anything but 0 is covered.
     covered: NDArray[np.bool_] | None = attrs.field(default=None, converter=_covered)
     truth_inverse_depth: NDArray[Any] | None = None  # (h, w), 1/m in the shown view, top row first
@@ -70,7 +70,7 @@ class QualityJob:
 
     @property
     def flicker(self) -> float | None:
-        """Flicker that a PairPass has found, in place of the frame before; None: it has not."""
+        """Flicker that a PairPass has found; None: it has not."""
         return None if self.alike is None else self.alike.flicker
 
     @property
@@ -81,7 +81,7 @@ class QualityJob:
             Input.COVERAGE: self.covered,
             Input.DEPTH: self.truth_inverse_depth,
             Input.RENDERED: None if self.rendered is None else self.rendered_size,
-            Input.PREVIOUS: self.flicker if self.previous is None else self.previous,
+            Input.PREVIOUS: self.flicker,
             Input.ALIKE: self.alike,
         }
         return Input(sum(flag.value for flag, value in there.items() if value is not None))
@@ -105,7 +105,7 @@ class QualityResult:
 
     values: dict[str, float | None]  # by metric; None where nothing could be measured
     error_map: NDArray[np.uint8] | None = None  # (h, w) bytes, FLIP 0..1 as 0..255, if the job requests it
-    regions: dict[str, dict[str, float]] | None = None  # as region_sums, if the job requests it
+    regions: NDArray[np.float64] | None = None  # as region_sums, if the job requests it
 
 
 @attrs.frozen
@@ -210,7 +210,7 @@ class _Declared:
         self._job = job
 
     def __getattr__(self, name: str) -> Any:
-        if (value := getattr(self._job, name)) is None and name != "flicker":
+        if (value := getattr(self._job, name)) is None:
             raise HmdwarpError(f"a metric reads '{name}' of a job that lacks it: its `needs` does not declare it")
         return value
 
@@ -235,7 +235,6 @@ def measure(job: QualityJob) -> QualityResult:
 # Holes beyond the rendered field of view, other holes, what is covered near jumps of depth, and the
 # rest.
 REGIONS = ("border_holes", "inside_holes", "silhouettes", "seen")
-SUMS = ("pixels", "squared_error", "flip")
 
 # Across a plane inverse depth changes by the same step from pixel to pixel, whatever its slant.
 # Where two planes meet, the step changes by at most the step of each alone: tan(80 deg) x 0.1 deg =
@@ -315,15 +314,15 @@ def near_discontinuity(inverse_depth: NDArray[Any]) -> NDArray[np.bool_]:
         jump[:, :-1] &= change > allowed[:, :-1]
         pixels[:, :-1] |= jump
         pixels[:, 1:] |= jump
-    from scipy.ndimage import binary_dilation  # worker processes that measure no regions do not wait for it
+    from scipy.ndimage import binary_dilation
 
     return np.asarray(binary_dilation(near, np.ones((3, 3)), iterations=EDGE_WIDTH_PX - 1))
 
 
 def region_sums(
     shown: NDArray[Any], truth: NDArray[Any], region: NDArray[np.uint8], flip_map: NDArray[Any]
-) -> dict[str, dict[str, float]]:
-    """Return the SUMS of one picture by region: squared sRGB errors as integers, and FLIP errors.
+) -> NDArray[np.float64]:
+    """Return (REGIONS, 3) sums of one picture: pixels, squared errors as integers, FLIP errors.
 
     shown, truth: (h, w, 3) uint8. region: (h, w), as of region_of. flip_map: (h, w), 0..1.
     Errors: InputError for sizes that do not belong together.
@@ -337,27 +336,20 @@ def region_sums(
     squared = np.einsum("hwc,hwc->hw", difference, difference).ravel()
     columns = (np.ones(region.size), squared, flip_map.ravel())  # float64 holds integers exactly up to 2^53
     sums = [np.bincount(region, weights=column, minlength=len(REGIONS)) for column in columns]
-    return {
-        name: {key: float(total[index]) for key, total in zip(SUMS, sums, strict=True)}
-        for index, name in enumerate(REGIONS)
-    }
+    return np.array(sums, np.float64).T[: len(REGIONS)]
 
 
-def pooled(pictures: Iterable[Mapping[str, Mapping[str, float]]]) -> dict[str, dict[str, float | None]]:
+def pooled(pictures: Iterable[NDArray[np.float64]]) -> dict[str, dict[str, float | None]]:
     """Return, by region, its share of all pixels, and PSNR and mean FLIP over its own pixels.
 
     pictures: region_sums of each. Errors are pooled before the logarithm: a picture with a small
     region counts little. A region without pixels has None; without any picture `share` is None too.
     """
-    totals = {name: dict.fromkeys(SUMS, 0.0) for name in REGIONS}
-    for picture in pictures:
-        for name in REGIONS:
-            for key in SUMS:
-                totals[name][key] += picture[name][key]
-    everything, found = sum(total["pixels"] for total in totals.values()), dict[str, dict[str, float | None]]()
-    for name, total in totals.items():
-        found[name] = {"share": 0.0 if everything else None, "psnr_db": None, "flip": None}
-        if pixels := total["pixels"]:
-            psnr_db = db_of(total["squared_error"] / (3 * pixels) / 255**2)
-            found[name] = {"share": pixels / everything, "psnr_db": psnr_db, "flip": total["flip"] / pixels}
+    totals = sum(pictures, start=np.zeros((len(REGIONS), 3)))
+    everything, found = float(totals[:, 0].sum()), dict[str, dict[str, float | None]]()
+    for name, (pixels, squared_error, flip) in zip(REGIONS, totals.tolist(), strict=True):
+        found[name] = {"share": pixels / everything if everything else None, "psnr_db": None, "flip": None}
+        if pixels:
+            psnr_db = db_of(squared_error / (3 * pixels) / 255**2)
+            found[name] |= {"psnr_db": psnr_db, "flip": flip / pixels}
     return found

@@ -1,7 +1,7 @@
 """Pairs of pictures of one type and size, (h, w, 3), RGB, sRGB-encoded, uint8 or floats 0..1.
 
-Block means, which tell whether two pictures are the same; holes of one eye; FLIP, SSIM and flicker
-on the GPU, whose judges in the tests are libraries and float64.
+Block means, which tell whether two pictures are the same; FLIP, SSIM and flicker on the GPU, whose
+judges in the tests are libraries and float64.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..colour import linear_from_srgb
 from ..errors import NO_NUMBERS, InputError
 from ..geometry import View, WarpMap
-from ..gpu import SCALAR, Gpu, allocate, flip_map, flip_rows
+from ..gpu import SCALAR, Gpu, allocate, flip_map
 from ..gpu.shaders import Compute
 from ..gpu.textures import release_all
 
@@ -139,76 +139,6 @@ def blocks_apart(first: str, second: str) -> float:
     return float(np.abs(one - other).max(initial=0.0) / _STEPS) if one.shape == other.shape else math.inf
 
 
-# The nearest pixel of the other eye may lie half a pixel from the point on each axis. On a
-# surface slanted by up to 80 degrees, at 10 pixels per degree, that is 1 % of its inverse depth.
-# Surfaces that occlude each other differ by more.
-DEPTH_TOLERANCE = 0.02
-DEPTH_FLOOR = 0.002  # 1/m: differences below this count as equal
-
-
-@attrs.frozen
-class Mismatch:
-    """Counts of left-eye pixels."""
-
-    seen_by_both: int = 0  # pixels whose surface both eyes see
-    one_eyed: int = 0  # of these, the holes for exactly one eye
-
-    def __add__(self, other: Mismatch) -> Mismatch:
-        return Mismatch(self.seen_by_both + other.seen_by_both, self.one_eyed + other.one_eyed)
-
-    @property
-    def share(self) -> float | None:
-        """Holes for exactly one eye as a share, 0..1, of what both eyes see; None without any."""
-        return self.one_eyed / self.seen_by_both if self.seen_by_both else None
-
-
-class SharedSurface:
-    """Pixels of the two eyes that show the same surface point, from the truth alone.
-
-    Each left pixel goes through the warp map to the right eye, and is visible there if that eye's
-    own depth at the nearest pixel is the same. left, right: the shown views. left_inverse_depth,
-    right_inverse_depth: the truth's, (h, w) of one size, top row first, in 1/m, 0 or NaN =
-    infinitely far. Errors: InputError unless the two have one size.
-    """
-
-    def __init__(
-        self, left: View, right: View, left_inverse_depth: NDArray[Any], right_inverse_depth: NDArray[Any]
-    ) -> None:
-        shape = left_inverse_depth.shape
-        if shape != right_inverse_depth.shape or len(shape) != 2:
-            shapes = f"{shape} and {right_inverse_depth.shape}"
-            raise InputError(f"the eyes' inverse depths have shapes {shapes}: expected two of the same (h, w)")
-        height, width = self._shape = shape
-        here, there = (
-            np.nan_to_num(flip_rows(np.asarray(d, np.float64))) for d in (left_inverse_depth, right_inverse_depth)
-        )
-        there = there.ravel()
-        mapping = WarpMap.between(left, (width, height), right, (width, height))
-        mine, theirs = [], []
-        for rows in row_blocks(height):
-            pixel, inverse_depth, _ = mapping.apply(pixel_centres(rows, width), here[rows])
-            with np.errstate(invalid="ignore"):  # NaN: out of view of the right eye
-                inside = (pixel >= 0).all(axis=-1) & (pixel < (width, height)).all(axis=-1)
-            x, y = np.floor(pixel[inside]).astype(np.int64).T
-            index, inverse_depth = y * width + x, inverse_depth[inside]
-            same = np.abs(there[index] - inverse_depth) <= np.maximum(DEPTH_TOLERANCE * inverse_depth, DEPTH_FLOOR)
-            mine.append((np.flatnonzero(inside) + rows.start * width)[same])
-            theirs.append(index[same])
-        self._left, self._right = np.concatenate(mine), np.concatenate(theirs)
-
-    def compare(self, left_coverage: NDArray[Any], right_coverage: NDArray[Any]) -> Mismatch:
-        """Compare the holes (0) of one warp's two coverages, (h, w), top row first.
-
-        Errors: InputError for another size than the depths had.
-        """
-        if not left_coverage.shape == right_coverage.shape == self._shape:
-            raise InputError(
-                f"coverages have shapes {left_coverage.shape} and {right_coverage.shape}: expected {self._shape}"
-            )
-        holes = [(flip_rows(np.asarray(c)) == 0).ravel() for c in (left_coverage, right_coverage)]
-        return Mismatch(len(self._left), int(np.count_nonzero(holes[0][self._left] != holes[1][self._right])))
-
-
 Array = NDArray[np.float64]
 # Of sRGB with white D65, as flip-evaluator has it.
 _XYZ_FROM_RGB = np.array(
@@ -268,7 +198,7 @@ class PairPass:
         (wide, high), gl = size, gpu.gl
         # Of both pictures, the truth first, whose filtered rows stay for the next picture.
         self._bytes, self._has_truth = np.zeros((2, high, wide, 4), np.uint8), False
-        self._earlier, self._earlier_truth = np.zeros_like(self._bytes), np.empty(0)
+        self._earlier = np.zeros_like(self._bytes)
         # Pixels, light of bytes, what is filtered along rows, a map.
         self._pixels, self._before = (allocate(gl, (wide, 2 * high), (4, "u1")) for _ in range(2))
         self._light = allocate(gl, (256, 1), SCALAR)
@@ -306,17 +236,21 @@ class PairPass:
         return Alike(flip_map, 1 - float(self._made(self._ssim, high).mean(dtype=np.float64)))
 
     def flicker(self, now: Compared, before: Compared) -> float | None:
-        """Return the flicker of the pictures of the last run against those before them.
+        """Return the mean absolute change, 0..1, of the signed error between neighbouring frames.
 
-        None where metrics.flicker has to find it: views that hide pixels, and other sizes.
+        The two are compared at the same shown view direction: the homography of the rotation alone
+        maps the previous error to the current view (sampled bilinearly). Error that is fixed to a
+        direction in the world does not count as flicker while the head turns; error that jumps
+        does. Pixels whose direction is outside the previous picture, and those that either view
+        hides, are left out; None if none remains. Interpolation softens the previous error under
+        rotation, so pixel-sharp error counts a little even when it is steady.
         """
         wide, high = self._size
-        if before.shown.shape != (high, wide, 3) or not (now.view.hidden is before.view.hidden is None):
-            return None
-        if before.truth is not self._earlier_truth:
-            self._earlier[0, ..., :3] = self._earlier_truth = before.truth
-        self._earlier[1, ..., :3] = before.shown
-        self._before.write(self._earlier)
+        self._has_truth &= np.array_equal(self._bytes[0, ..., :3], now.truth)
+        for held, texture, one in ((self._bytes, self._pixels, now), (self._earlier, self._before, before)):
+            held[0, ..., :3], held[1, ..., :3] = one.truth, one.shown
+            held[0, ..., 3] = ~one.view.seen(self._size)
+            texture.write(held)
         for unit, texture in ((0, self._pixels), (2, self._before), (3, self._map)):
             texture.bind_to_image(unit, read=unit < 3, write=unit == 3)
         turn = WarpMap.between(now.view, self._size, before.view, self._size).H

@@ -24,8 +24,12 @@ from .named_files import BAG, BESIDE, GLTF, content_of, opened
 
 # What neither draws nor measures a picture: a change there leaves most results as they are.
 _NOT_OF_RESULTS = ("cli/", "display/", "report/", "study/", "experiments/sweep/", "experiments/thesis/")
-# What begins the lines of a scene's files that name another file.
-_NAMING = {".obj": "mtllib", ".mtl": "map_kd", ".ply": "comment texturefile"}
+# How files of a scene name another file.
+_NAMING = {".xml": r'name="filename"\s+value="([^"]+)"'}
+_NAMING |= {
+    ending: rf"^\s*{begins}(.*)$"
+    for ending, begins in ((".obj", "mtllib"), (".mtl", "map_kd"), (".ply", "comment texturefile"))
+}
 _CHUNK = 1 << 20
 
 
@@ -94,12 +98,10 @@ def _named_by(path: Path, size: int, mtime_ns: int) -> list[str]:
             header = json_in(path, GLTF)
             uris = [one.get("uri") for part in ("buffers", "images") for one in header.get(part, [])]
         return [unquote(uri) for uri in uris if isinstance(uri, str) and not uri.startswith("data:")]
-    if kind == ".xml":
-        return re.findall(r'name="filename"\s+value="([^"]+)"', content_of(path, BESIDE).decode("utf-8", "replace"))
-    if (begins := _NAMING.get(kind)) is None:
+    if kind not in _NAMING:
         return []
-    lines = (line.strip() for line in content_of(path, BESIDE).decode("utf-8", "replace").splitlines())
-    return [line[len(begins) :].strip() for line in lines if line[: len(begins)].lower() == begins]
+    found = re.findall(_NAMING[kind], content_of(path, BESIDE).decode("utf-8", "replace"), re.IGNORECASE | re.MULTILINE)
+    return [name.strip() for name in found]
 
 
 def hash_of_files(place: str | Path) -> str:

@@ -497,7 +497,7 @@ class PipelineOptions(Declared):
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set. Errors: InputError."""
         usual = {option.name: option.default for option in options_of(cls)}
-        said = with_strategy(with_frames(with_headset(said, usual["headset"]), usual), usual)
+        said = with_strategy(with_frames(with_headset(said, usual["headset"]), usual))
         values = super().values_of(said)
         if said.get("client"):  # its limits are those of what was not set
             device = load_client(said["client"])

@@ -21,7 +21,7 @@ from ..errors import InputError, PlanError
 from ..frames import EyeSizes, frame_bytes
 from ..headsets import Headset, load_headset
 from ..link import LinkOptions
-from ..metrics import MeasuringProcesses, QualityPool, worker_count
+from ..metrics import MeasuringThreads, QualityPool, worker_count
 from ..options import AUTO
 from ..pipeline.levels import QualityLevel, Row, best_within, levels_from, read_rows
 from ..pipeline.options import PipelineOptions
@@ -308,8 +308,8 @@ def levels_by_short_bench(options: RunOptions, source: Source, say: Say, device:
     within = [warp for warp, ms in times.items() if ms <= REACH * budget_ms] or [min(times, key=times.__getitem__)]
     kept = [c for c in combinations if c.warp in within]
     case, rows = Case(options.scene, options.trace, options.latency_ms, drawn), []
-    with MeasuringProcesses(worker_count(options.workers)) as processes:
-        pool = QualityPool(processes)
+    with MeasuringThreads(worker_count(options.workers)) as threads:
+        pool = QualityPool(threads)
         for batch, setup in frames_for(kept, drawn):
             comparison = Comparison(setup, case, batch, pool, ROUNDS)
             comparison.run(INSTANTS, lambda: None)

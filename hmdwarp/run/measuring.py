@@ -547,7 +547,6 @@ class Measured:
     # One row for each timed run of one eye, keyed as frames.csv.
     times: list[Row] = attrs.field(factory=list)
     keys: list[PictureKey] = attrs.field(factory=list)
-    mismatch: list[metrics.Mismatch] = attrs.field(factory=list)
     # Of each measured picture, by its refresh: see metrics.block_means.
     blocks: dict[int, NDArray[np.float64]] = attrs.field(factory=dict)
     # Of each, where the late frame saw what the eye should see: pixels of the picture, those seen,
@@ -603,32 +602,23 @@ class Comparison:
             self._turn += round_number >= 0
 
     def _measure(self, number: int, refresh: Refresh, eye: int, before: list[metrics.Compared]) -> None:
-        """Submit the pictures, and compare the holes of both eyes, which no fill changes."""
-        truths = [self._beside.truth(inputs) for inputs in refresh.inputs]
-        shared = None  # with one eye nothing is seen by both
-        if len(truths) == 2:
-            left, right = (inputs.shown for inputs in refresh.inputs)
-            near, other = (truth.inverse_depth for truth in truths)
-            assert near is not None and other is not None
-            shared = metrics.SharedSurface(left, right, near, other)
-        rendered, truth = refresh.frame.eyes[eye], truths[eye]
-        coverages: dict[str, list[NDArray[np.floating]]] = {}
+        """Submit the pictures of an eye."""
+        rendered, truth = refresh.frame.eyes[eye], self._beside.truth(refresh.inputs[eye])
+        coverages: dict[str, NDArray[np.floating]] = {}
         handed_in: dict[str, list[tuple[PictureKey, metrics.QualityJob]]] = {}
         warps = [each.combination.warp for each in self.measured]
         seen = coverage(self._last[warps.index(ORACLE)][eye]) > 0 if ORACLE in warps else None
         for index, (results, measured) in enumerate(zip(self._last, self.measured, strict=True)):
             warp = measured.combination.group
             if warp not in coverages:
-                coverages[warp] = [coverage(result) for result in results]
-            if shared is not None:
-                measured.mismatch.append(shared.compare(*coverages[warp]))
+                coverages[warp] = coverage(results[eye])
             shown = shown_picture(results[eye])
             if seen is not None:
                 error = metrics.error_image(shown[seen], truth.picture[seen])
                 measured.where_seen.append((seen.size, int(seen.sum()), float((error**2).sum() / 3)))
             now, previous = metrics.Compared(shown, truth.picture, results[eye].view), before[index] if before else None
             form = (truth.inverse_depth, rendered.view, rendered.size)
-            job = metrics.QualityJob(now, previous, coverages[warp][eye], *form, regions=True)
+            job = metrics.QualityJob(now, previous, coverages[warp], *form, regions=True)
             measured.blocks[number] = metrics.block_means(job.now.shown)
             # Fills with identical pictures share one measurement.
             same = next((key for key, other in handed_in.get(warp, []) if _same_pictures(job, other)), None)

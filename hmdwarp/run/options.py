@@ -107,7 +107,7 @@ class RunOptions(PipelineOptions):
         valid=Number(most=60),
     )
     workers: int | None = _measuring(
-        None, "Measuring processes; 0 measures in the loop; by default one per core, at most 8.", valid=Number(most=256)
+        None, "Measuring threads; 0 measures in the loop; by default one per core, at most 8.", valid=Number(most=256)
     )
     images: int = option(6, "Keep about this many refreshes as pictures.", valid=Number())
     video: bool = option(False, "Also write replay.mp4: both panels, as the display gets them.")

@@ -16,7 +16,7 @@ from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu.textures import download
 from ..link.options import ALL
-from ..metrics import TRUTH_JOD, Clips, Kept, MeasuringProcesses, QualityPool, pooled, worker_count
+from ..metrics import TRUTH_JOD, Clips, Kept, MeasuringThreads, QualityPool, pooled, worker_count
 from ..options import AUTO
 from ..pipeline.options import SERVER_SCENE
 from ..pipeline.sizes import refreshes_of
@@ -30,7 +30,6 @@ from .run_summary import OWNED, Judge, ReplayLog, ReplayResult, Row, result_of, 
 
 WORST_FRAMES = 6
 # which: 0 for the run itself, then those that it is compared with.
-JOD_COLUMNS = ("frame", "eye", "which", "jod")
 
 Progress = Callable[[int, int], None]
 
@@ -75,8 +74,8 @@ def replay(
             def contest(key: tuple[int, int, int]) -> int | None:  # one of each second competes for the worst
                 return int(key[0] / setup.schedule.rate_hz) if key[2] == MAIN else None
 
-            with MeasuringProcesses(worker_count(options.workers)) as processes:
-                pool = QualityPool(processes, worst=WORST_FRAMES, bucket=contest)
+            with MeasuringThreads(worker_count(options.workers)) as threads:
+                pool = QualityPool(threads, worst=WORST_FRAMES, bucket=contest)
                 probe = Probe(setup, pool)
                 log = _run(setup, probe, out, progress)
             _write_delays(setup, out)
@@ -96,9 +95,6 @@ def replay(
                     name = method_name(*pair)
                     told.append(f"{100 * share:.0f} % of people would prefer it to {name} ({other['mean']:.2f} JOD)")
                 setup.notes.append(f"{'; '.join(told)}. Predicted from the pictures: no one was asked.")
-                jods = sorted(probe.clips.refreshes.items())
-                rows = [dict(zip(JOD_COLUMNS, (*at, jod), strict=True)) for at, jod in jods]
-                out.write_csv("jod.csv", rows, JOD_COLUMNS)
             result = result_of(setup, log, compared, more, probe.without_truth)
         verdict = write_results(out, log, result, compared, pool, options.command, judge)
         return attrs.evolve(result, verdict=verdict)
@@ -150,9 +146,9 @@ class NothingShown(InputError):
 
 
 def measured(
-    options: RunOptions, progress: Progress = lambda done, total: None, processes: MeasuringProcesses | None = None
+    options: RunOptions, progress: Progress = lambda done, total: None, threads: MeasuringThreads | None = None
 ) -> Measured:
-    """Run a replay without writing anything; processes: that stay for the next run.
+    """Run a replay without writing anything; threads: that stay for the next run.
 
     Errors: as replay; InputError for warp "auto" and for a video.
     """
@@ -160,7 +156,7 @@ def measured(
         raise InputError("figures without a folder: neither warp 'auto' nor a video is supported")
     with (
         set_up_replay(options, alone=True) as setup,
-        MeasuringProcesses(worker_count(options.workers)) if processes is None else nullcontext(processes) as lent,
+        MeasuringThreads(worker_count(options.workers)) if threads is None else nullcontext(threads) as lent,
     ):
         pool = QualityPool(lent)
         probe = Probe(setup, pool)

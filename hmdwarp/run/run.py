@@ -391,17 +391,18 @@ class ReplayRun(Run[RunOptions]):
         return self.source.headset.eyes[0].fov.pixels_per_degree(self.sizes.shown)
 
     @functools.cached_property
-    def _pairs(self) -> PairPass:
+    def pairs(self) -> PairPass:
+        """What measures pairs of pictures on the GPU."""
         made = PairPass(self.target.gpu, self.sizes.shown, self.pixels_per_degree)
         self.cleanup.callback(made.close)
         return made
 
     def hand_in(self, pool: QualityPool, key: Hashable, job: QualityJob, *, keep: bool = False) -> Alike:
         """Submit a picture, with what the GPU finds of it; return that. Errors: as pool.submit."""
-        alike = self._pairs.run(job.now.shown, job.now.truth)
-        if job.previous is not None and (flicker := self._pairs.flicker(job.now, job.previous)) is not None:
+        alike = self.pairs.run(job.now.shown, job.now.truth)
+        if job.previous is not None:
+            alike = attrs.evolve(alike, flicker=self.pairs.flicker(job.now, job.previous))
             job = attrs.evolve(job, previous=None)
-            alike = attrs.evolve(alike, flicker=flicker)
         pool.submit(key, attrs.evolve(job, alike=alike), keep=keep)
         return alike
 

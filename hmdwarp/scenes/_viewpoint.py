@@ -1,6 +1,6 @@
 """Where a viewer stands in a file's scene: never inside an object, a wall or the floor.
 
-And what the triangles say of the file's unit and axes.
+And what its size says of the file's unit.
 """
 
 from __future__ import annotations
@@ -233,15 +233,10 @@ _LARGE_M, _SMALL_M = 50.0, 0.2
 _UNITS = (("a centimetre", 0.01), ("a millimetre", 0.001))
 _LIKELY_M = 0.05, 50.0
 _LARGEST_SCALE = 1e6  # the most that --scene-scale takes
-_GROUND_SHARE, _THIN, _LEAST_THICK = 0.3, 0.02, 0.05
 
 
-def add_hints(triangles: Triangles, low: Array, high: Array, scale: float, up: str, notes: Notes) -> None:
-    """Note an extent that is rarely meant in metres, and a ground below the z axis.
-
-    low, high: corners of the scene in metres, +y up. scale, up: as the options have them.
-    """
-    size = float((high - low).max())
+def add_hints(size: float, scale: float, notes: Notes) -> None:
+    """Note a size that is rarely meant in metres. scale: as the option has it."""
     if scale == 1 and size > _LARGE_M:
         fits = [unit for unit in _UNITS if _LIKELY_M[0] <= unit[1] * size <= _LIKELY_M[1]] or _UNITS[-1:]
         units = (f"{name}, --scene-scale {metres:g} makes it {_metres(metres * size)}" for name, metres in fits)
@@ -250,41 +245,8 @@ def add_hints(triangles: Triangles, low: Array, high: Array, scale: float, up: s
         larger = min(10 ** round(-np.log10(size)), _LARGEST_SCALE)
         remedy = f"--scene-scale {larger:g} makes it {_metres(larger * size)}"
         notes.add(f"{_metres(size)} across, and a head moves farther; {remedy}")
-    if up == "y" and _stands_on_z(triangles, low, high):
-        notes.add("its ground lies below the z axis, not the y axis; if z is up, use --scene-up z")
 
 
 def _metres(metres: float) -> str:
     """Return a length in metres to three digits, in powers of ten only where zeros abound."""
     return f"{float(f'{metres:.3g}'):.15g} m" if 1e-4 <= metres < 1e7 else f"{metres:.3g} m"
-
-
-def _stands_on_z(triangles: Triangles, low: Array, high: Array) -> bool:
-    """Return whether there is a ground at the lowest z and none at the lowest y.
-
-    In a room both have one, and its ceiling is the nearer: then what stands in it must lie low.
-    """
-    size = high - low
-    if size[2] < _LEAST_THICK * size[:2].max():
-        return False  # a picture on a wall
-    grounds = [_ground_share(triangles, low, high, axis) for axis in (1, 2)]
-    if grounds[1] < _GROUND_SHARE:
-        return False
-    if grounds[0] < _GROUND_SHARE:
-        return True
-    # The mean height of all surfaces, by area, as a share of the scene's.
-    area = np.linalg.norm(triangles.crosses, axis=1)[:, None]
-    above = (area * ((triangles.a + triangles.b + triangles.c) / 3 - low)).sum(axis=0)
-    _, mass_y, mass_z = above / np.maximum(area.sum() * size, 1e-30)
-    return bool(size[2] < 0.75 * min(size[0], size[1]) and mass_z < 0.45 and mass_y >= 0.45)
-
-
-def _ground_share(triangles: Triangles, low: Array, high: Array, axis: int) -> float:
-    """Return the share of the scene's outline, seen along an axis, that a flat ground covers."""
-    size = high - low
-    across = np.delete(size, axis)
-    cross = triangles.crosses
-    length = np.linalg.norm(cross, axis=1)
-    heights = np.max([triangles.a[:, axis], triangles.b[:, axis], triangles.c[:, axis]], axis=0)
-    flat = (np.abs(cross[:, axis]) > 0.95 * length) & (heights <= low[axis] + _THIN * size[axis])
-    return float(0.5 * np.abs(cross[flat, axis]).sum() / max(float(across.prod()), 1e-30))

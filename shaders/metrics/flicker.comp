@@ -1,7 +1,7 @@
 // The change of a picture's error from the picture before it, in the same direction of view.
-// In: both pairs, rgba8 sRGB, the reference's rows and then the other's. Out: the mean over the
-// channels, 0 to 1; -1 where the picture before does not reach.
-// Source: this project's, as metrics/library/flicker.py.
+// In: both pairs, rgba8 sRGB, the reference's rows, with alpha where nothing is seen, and then the
+// other's. Out: the mean over the channels, 0 to 1; -1 where the picture before does not reach.
+// Source: this project's, see PairPass.
 #define ROWS 4
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(rgba8ui, binding = 0) readonly uniform uimage2D pixels;
@@ -29,11 +29,12 @@ void main() {
         vec2 place = there.xy / there.z - 0.5, last = vec2(size - 1);
         bool is_inside = there.z > 0.0 && all(greaterThan(place, vec2(-ROUNDING))) && all(lessThan(place, last + ROUNDING));
         place = clamp(place, vec2(0.0), last);
+        uint hidden = imageLoad(pixels, q).a | imageLoad(pixels_before, ivec2(place + 0.5)).a;
         ivec2 a = ivec2(place), d = min(a + 1, size - 1);
         vec2 share = place - vec2(a);
         vec3 upper = mix(error_before(a), error_before(ivec2(d.x, a.y)), share.x);
         vec3 lower = mix(error_before(ivec2(a.x, d.y)), error_before(d), share.x);
         vec3 change = abs(error_now(q) - mix(upper, lower, share.y));
-        imageStore(map, q, vec4(is_inside ? (change.r + change.g + change.b) / 765.0 : -1.0));
+        imageStore(map, q, vec4(is_inside && hidden == 0u ? (change.r + change.g + change.b) / 765.0 : -1.0));
     }
 }

@@ -21,8 +21,6 @@ from hmdwarp.errors import InputError
 from hmdwarp.gpu import context
 from hmdwarp.scenes import Scene, SceneSource, scenes
 
-# --- files that cannot be used
-
 WORDS = "this is not\na head trace\nat all\n"
 NAN = "".join(f"{k / 60},{k},1.6,nan,0,0,0,1\n" for k in range(60))
 
@@ -49,14 +47,6 @@ def test_a_file_that_cannot_be_used(option, name, text, told, command, quick, ke
     done.refused(str(path))
     assert re.search(told, done.err), done
 
-
-# --- names
-
-
-# --- numbers
-
-
-# --- texts of every kind
 
 commands = options_of_commands()
 
@@ -87,9 +77,6 @@ def test_more_frames_than_memory_holds(command, quick, kept):
     command("replay", "still", *quick, "--guard", "1", "--size", "16384x16384").refused(
         "latency 200 ms keeps 16 frames", "GB", status=3
     )
-
-
-# --- files
 
 
 def test_out_is_a_file(command, quick, tmp_path):
@@ -176,9 +163,6 @@ def test_a_disk_that_fills_up(options, command, quick, tiny_disk):
     assert sorted(p.name for p in tiny_disk.iterdir()) == ["filler", "summary.json"]
 
 
-# --- the machine
-
-
 @pytest.mark.parametrize("arguments", [["replay", "still"], ["warp"]])
 def test_without_opengl(arguments, program, quick, kept, tmp_path):
     from cli.test_warp_command import write_frame, write_pose
@@ -202,9 +186,6 @@ def test_a_fault_of_ours_is_one_line_too(command, quick, kept, monkeypatch):
 
     monkeypatch.setattr(hmdwarp.run.measuring.Probe, "read", broken)
     command("replay", "still", *quick).refused("a fault of hmdwarp", "ZeroDivisionError", "HMDWARP_DEBUG=1", status=1)
-
-
-# --- what a file names
 
 
 def test_a_scene_that_names_a_device_or_a_file_elsewhere(command, tmp_path, monkeypatch):

@@ -120,8 +120,9 @@ def test_a_changed_picture_is_found_and_shown_and_a_tolerance_allows_it(command,
     two = 2 / (48 * 40)  # pixels of a panel
     cases = {"pixel=3": True, "pixel=2": False, f"pixels={100 * two}%": True, "pixels=0.001": False}
     for allowed, equal in cases.items():
-        done = command("diff", out, tmp_path / "other", "--tolerance", f"psnr_db=0.1%, {allowed}")
-        assert done.status == (0 if equal else 4), done
+        for pair in ((out, tmp_path / "other"), (tmp_path / "other", out)):  # brighter, and darker
+            done = command("diff", *pair, "--tolerance", f"psnr_db=0.1%, {allowed}")
+            assert done.status == (0 if equal else 4), done
     assert command("diff", out, tmp_path / "other", "--tolerance", "figures=1%, pixel=3").out == (
         "identical within the tolerances (1 figure changed)\n"
     )

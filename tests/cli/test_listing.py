@@ -10,9 +10,7 @@ import re
 import subprocess
 import sys
 
-import numpy as np
 import pytest
-import trimesh
 import typer
 
 from hmdwarp.cli._app import app, options_of_commands
@@ -73,13 +71,26 @@ def test_list_alone_lists_its_kinds(command):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_json_is_an_array_of_named_things(kind, command):
+def test_each_list_is_for_people_in_80_columns_and_for_programs(kind, command):
     rows = json.loads(command("list", kind, "--json").done().out)
-    assert rows and all(row["name"] and row["summary"] for row in rows)
+    assert rows == entries(kind) and all(row["name"] and row["summary"] for row in rows)
     assert all(isinstance(text, str) and text for row in rows for text in row.values())
     assert len({row["name"] for row in rows}) == len(rows)
     assert len({tuple(row) for row in rows}) == 1  # the same keys in all
-    assert rows == entries(kind)
+    lines = command("list", kind).done().out.splitlines()
+    assert max(map(len, lines)) <= 80 and not any(line.endswith(" ") for line in lines)
+    told = " ".join(" ".join(lines).split())
+    assert all(any(line.startswith(f"{row['name']} ") for line in lines) and row["summary"] in told for row in rows)
+    table = command("list", kind, "--markdown").done().out.splitlines()
+    assert {line.replace("\\|", "").count("|") for line in table} == {len(rows[0]) + 1}
+    assert all(f"| `{row['name']}` |" in line for row, line in zip(rows, table[2:], strict=True))
+    # Those with most to tell, which are the ones that could be too wide.
+    for row in sorted(rows, key=lambda row: len(str(row)))[-6:]:
+        out = command("list", kind, row["name"]).done().out
+        told = " ".join(out.split())
+        assert max(map(len, out.splitlines())) <= 80
+        assert all(" ".join(text.split()) in told for text in row.values()), row
+    assert json.loads(command("list", kind, row["name"], "--json").out) == [row]
 
 
 def test_lists_hold_what_the_registries_hold(command):
@@ -106,9 +117,6 @@ def test_layers_are_told_with_format_size_bytes_and_who_draws_and_codes_them(com
     cube = ["rgba16f", "its own", "168.6 MB for each eye of quest-3", "cube", "video"]
     assert [rows["cube"][key] for key in ("format", "size", "bytes", "drawn_by", "coded_as")] == cube
     assert rows["colour"]["carried"] == "once for each eye, always"
-    assert rows["overlay"]["size"] == "of the shown picture"
-    assert rows["reflection"]["coded_as"] == "video beyond 1 + inverse depth + vectors"
-    assert rows["ids"]["coded_as"] == "packed" and rows["others"]["coded_as"] == "nothing"
     assert rows["others"]["bytes"] == rows["others"]["size"] == "none"
 
 
@@ -130,42 +138,6 @@ def test_options_are_those_of_every_command(command):
             listed[name] |= {row["flag"]} if row["flag"].startswith("-") else set()
     assert listed == parsed
     assert {"--participant", "--simulate", "--console"} <= listed["study run"]
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_markdown_is_one_table(kind, command):
-    lines = command("list", kind, "--markdown").done().out.splitlines()
-    rows = entries(kind)
-    assert len(lines) == len(rows) + 2
-    columns = [line.replace("\\|", "").count("|") for line in lines]
-    assert set(columns) == {len(rows[0]) + 1}
-    assert all(f"| `{row['name']}` |" in line for row, line in zip(rows, lines[2:], strict=True))
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_people_get_names_and_summaries_in_80_columns(kind, command):
-    out = command("list", kind).done().out
-    lines = out.splitlines()
-    assert max(map(len, lines)) <= 80 and not any(line.endswith(" ") for line in lines)
-    told = " ".join(out.split())
-    for row in entries(kind):
-        assert any(line.startswith(f"{row['name']} ") for line in lines)
-        assert row["summary"] in told
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_one_name_gets_all_that_is_known(kind, command):
-    # Those with most to tell, which are the ones that could be too wide.
-    for row in sorted(entries(kind), key=lambda row: len(str(row)))[-6:]:
-        out = command("list", kind, row["name"]).done().out
-        assert max(map(len, out.splitlines())) <= 80
-        told = " ".join(out.split())
-        assert all(" ".join(text.split()) in told for text in row.values()), row
-    assert json.loads(command("list", kind, row["name"], "--json").out) == [row]
-
-
-def test_json_and_markdown_exclude_each_other(command):
-    command("list", "warps", "--json", "--markdown").refused("--json and --markdown")
 
 
 def test_plan_tells_each_pass_with_its_reason_and_what_is_left_out(command):
@@ -211,23 +183,10 @@ def test_plan_for_a_headset_leaves_the_lens_to_its_runtime_and_makes_its_depth(c
     assert told == command(*dk1).done().out
 
 
-def test_plan_tells_what_is_slow_in_a_scene_and_what_to_do(command, tmp_path):
-    glass = trimesh.creation.icosphere(subdivisions=5)
-    material = trimesh.visual.material.PBRMaterial(alphaMode="BLEND", baseColorFactor=[255, 255, 255, 64])
-    glass.visual = trimesh.visual.TextureVisuals(uv=np.zeros((len(glass.vertices), 2)), material=material)
-    glass.export(tmp_path / "ball.glb")
-    told = " ".join(command("plan", "--scene", tmp_path / "ball.glb", "--fill", "none").done().out.split())
-    assert "Slow 20,480 transparent triangles: " in told and "simplify them" in told
-    assert "Slow" not in command("plan", "--scene", "planes", "--fill", "none").done().out
-
-
-def test_plan_refuses_what_live_refuses(command):
-    plan = ("plan", "--scene", "planes", "--source")
-    command(*plan, "openxr", "--headset", "rift-dk1", "--lens", "radial").refused(
-        "the OpenXR runtime corrects the lens by itself"
-    )
-    command(*plan, "desktop", "--warp", "auto", "--budget", "5").refused("needs a benchmark")
-    command(*plan, "headset").refused("source 'headset'", "openxr")
+def test_plan_tells_what_is_slow_in_a_scene(command, monkeypatch):
+    monkeypatch.setattr("hmdwarp.scenes.slow_in", lambda scene: ("20,480 transparent triangles: simplify them",))
+    told = " ".join(command("plan", "--scene", "planes").done().out.split())
+    assert "Slow 20,480 transparent triangles: simplify them" in told
 
 
 def test_plan_counts_bytes_and_frames(command):
@@ -240,20 +199,6 @@ def test_plan_counts_bytes_and_frames(command):
     assert "6.1 MB" in told and "at most 22 of them at 200 ms and 90 Hz" in told
     only_colour = " ".join(command("plan", *usual, "--warp", "rotation").done().out.split())
     assert "4.1 MB" in only_colour
-
-
-@pytest.mark.parametrize(
-    ("option", "value", "told"),
-    [
-        ("--guard", "400", "guard 400"),
-        ("--codec", "q", "unknown codec 'q'"),
-        ("--predict", "q", "unknown predictor 'q'"),
-        ("--mirrors", "q", "unknown kind of mirrors 'q': known are geometry, screen"),
-        ("--jitter", "uniform:900", "--jitter uniform:900 around a latency of 200 ms"),
-    ],
-)
-def test_plan_refuses_what_replay_refuses(option, value, told, command):
-    command("plan", "--scene", "planes", option, *value.split()).refused(told)
 
 
 def test_plan_starts_no_gl():

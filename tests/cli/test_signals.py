@@ -1,4 +1,4 @@
-"""Signals in mid-replay and mid-recording: one line, no orphans, and what was recorded is whole."""
+"""Signals in mid-replay and mid-recording: one line, and what was recorded is whole."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,27 +15,7 @@ from hmdwarp.poses import load_trace, synthesise
 
 from .conftest import PROGRAM, ROOT, complaints
 
-TIMEOUT_S = 60  # so that a replay that never starts fails instead of hanging
-
-
-def children_of(pid: int) -> list[int]:
-    found = []
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = stat.read_text().rsplit(")", 1)[1].split()
-        except OSError:
-            continue
-        if int(fields[1]) == pid:
-            found.append(int(stat.parent.name))
-    return found
-
-
-def is_running(pid: int) -> bool:
-    try:
-        state = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
-    except OSError:
-        return False
-    return state not in "ZX"
+TIMEOUT_S = 90  # so that a replay that never starts fails instead of hanging
 
 
 def wait_for(condition) -> None:
@@ -48,7 +27,7 @@ def wait_for(condition) -> None:
 
 @pytest.fixture
 def replaying(tmp_path):
-    """A replay of 24 s with video and two measuring processes, that has begun to write."""
+    """A replay of 24 s with video, that has begun to write."""
     out = tmp_path / "out"
     (out / "images").mkdir(parents=True)
     (out / "summary.json").write_text('{"hmdwarp": "0"}', encoding="utf-8")
@@ -61,13 +40,7 @@ def replaying(tmp_path):
         env={**os.environ, "PYTHONPATH": str(ROOT)}, start_new_session=True,
     )  # fmt: skip
     try:
-        wait_for(
-            lambda: (
-                list(out.glob(".partial-*/.replay.mp4.*"))
-                and len(children_of(process.pid)) == 3  # Python's tracker of semaphores is one of them
-                or process.poll() is not None
-            )
-        )
+        wait_for(lambda: list(out.glob(".partial-*/.replay.mp4.*")) or process.poll() is not None)
         assert process.poll() is None, process.communicate()
         yield process, out
     finally:
@@ -75,7 +48,6 @@ def replaying(tmp_path):
         process.communicate()
 
 
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks for orphans in /proc")
 @pytest.mark.parametrize(
     ("number", "status", "told"),
     [
@@ -87,7 +59,6 @@ def replaying(tmp_path):
 @pytest.mark.parametrize("to_all", [False, True], ids=["to it alone", "to its whole group, as the terminal does"])
 def test_a_signal_leaves_nothing_behind(number, status, told, to_all, replaying):
     process, out = replaying
-    workers = children_of(process.pid)
     (os.killpg if to_all else os.kill)(process.pid, number)
     printed, complaint = process.communicate(timeout=TIMEOUT_S)
     assert process.returncode == status
@@ -95,29 +66,19 @@ def test_a_signal_leaves_nothing_behind(number, status, told, to_all, replaying)
     assert complaints(complaint) == [f"hmdwarp: {told}; nothing unfinished was left behind"]
     assert sorted(p.relative_to(out).as_posix() for p in out.rglob("*")) == ["images", "summary.json"]
     assert (out / "summary.json").read_text(encoding="utf-8") == '{"hmdwarp": "0"}'
-    wait_for(lambda: not any(map(is_running, workers)))
 
 
-def test_killed_at_once_leaves_no_orphans_and_no_final_names(replaying):
-    """SIGKILL cannot be answered.
-
-    The measuring processes notice by themselves, and only hidden files are left.
-    """
+def test_killed_at_once_leaves_no_final_names(replaying):
+    """SIGKILL cannot be answered: only hidden files are left."""
     process, out = replaying
-    workers = children_of(process.pid)
     process.kill()
     process.communicate(timeout=TIMEOUT_S)
-    wait_for(lambda: not any(map(is_running, workers)))
     assert sorted(p.name for p in out.iterdir() if not p.name.startswith(".partial-")) == ["images", "summary.json"]
 
 
-ASK = "_signals.end_if_asked()"
-
-
-@pytest.mark.parametrize(("then", "last"), [(ASK, ASK), ("while True: time.sleep(0.01)", "")], ids=["step", "wait"])
-def test_a_signal_whose_exception_was_lost_ends_the_next_step_or_a_wait(then, last):
+def test_a_signal_whose_exception_was_lost_comes_again():
     """Python drops what a handler raises while a destructor runs; the run must end all the same."""
-    code = f"""
+    code = """
 import os, signal, time
 from hmdwarp.cli import _signals
 class Thing:
@@ -125,22 +86,17 @@ class Thing:
         os.kill(os.getpid(), signal.SIGTERM)
         for _ in range(100): pass
 _signals.end_cleanly()
-_signals.end_if_asked()
 Thing()
 try:
-    {then}
+    while True: time.sleep(0.01)
 except _signals.Ended as error:
     print("ended by", error.args[0])
-{last}
 """
     done = subprocess.run(
         [PROGRAM[0], "-c", code], capture_output=True, text=True, check=True,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
     )  # fmt: skip
     assert (done.stdout, done.stderr) == (f"ended by {int(signal.SIGTERM)}\n", "")
-
-
-LONG_S = 90.0  # against hanging
 
 
 def program(*arguments: object, **environment: str) -> subprocess.Popen:
@@ -152,10 +108,8 @@ def program(*arguments: object, **environment: str) -> subprocess.Popen:
 
 
 def until_rows(path, count: int, process: subprocess.Popen) -> None:
-    end = time.monotonic() + LONG_S
-    while not path.is_file() or path.read_text().count("\n") < 6 + count:
-        assert process.poll() is None and time.monotonic() < end, process.communicate()
-        time.sleep(0.05)
+    wait_for(lambda: path.is_file() and path.read_text().count("\n") >= 6 + count or process.poll() is not None)
+    assert process.poll() is None, process.communicate()
 
 
 def test_a_made_up_head_takes_its_time_and_is_what_synth_makes(tmp_path, command):
@@ -183,7 +137,7 @@ def test_a_signal_ends_it_with_everything_written(tmp_path, number, status):
     try:
         until_rows(tmp_path / "a.csv", 20, process)
         process.send_signal(number)
-        _, err = process.communicate(timeout=LONG_S)
+        _, err = process.communicate(timeout=TIMEOUT_S)
     finally:
         process.kill()
     assert process.returncode == status
@@ -205,7 +159,7 @@ def test_a_window_records_who_moves_in_it(tmp_path):
             until_rows(out, rows + 20, process)
             screen.do("keyup", "w")
             process.send_signal(signal.SIGINT)
-            _, err = process.communicate(timeout=LONG_S)
+            _, err = process.communicate(timeout=TIMEOUT_S)
         finally:
             process.kill()
     assert process.returncode == 0, err

@@ -183,13 +183,6 @@ def test_a_file_is_refused_and_then_forced(name, command, tmp_path):
     assert len(load_trace(out).track) > 1
 
 
-@pytest.mark.parametrize("name", FOLDERS | FILES)
-def test_no_name_is_not_the_working_folder(name, command, working_folder):
-    arguments = [*FOLDERS[name][0], "--out"] if name in FOLDERS else FILES[name]
-    command(*arguments, "").refused("''", "expected a name; '.' is the working folder")
-    assert [path.name for path in working_folder.iterdir()] == ["ratings.csv"]
-
-
 def test_record_says_what_a_full_disk_has_taken(program, tmp_path):
     out = tmp_path / "walk.csv"
     done = program(
@@ -207,26 +200,19 @@ def test_record_says_what_a_full_disk_has_taken(program, tmp_path):
     ("steps", "told"),
     [
         # Of how many, and when: the first step has warming up in it.
-        ([(0, 61, 100.0)], "refreshes: still preparing"),
-        ([(1, 61, 0.0)], "refreshes: 1 of 61"),
-        ([(0, 61, 100.0), (1, 61, 120.0), (11, 61, 130.0)], "refreshes: 11 of 61, about 50 s to go"),
-        ([(1, 1001, 0.0), (2, 1001, 1.2)], "refreshes: 2 of 1001, about 20 min to go"),
-        (
-            [(1, 2, 0.0), (2, 2, 1.0)],
-            "refreshes: 2 of 2; the last pictures are measured, then the results are written",
-        ),
+        ([], "still preparing"),
+        ([(0.0, 1, 61)], "1 of 61"),
+        ([(120.0, 1, 61), (130.0, 11, 61)], "11 of 61, about 50 s to go"),
+        ([(0.0, 1, 1001), (1.2, 2, 1001)], "2 of 1001, about 20 min to go"),
+        ([(0.0, 1, 2), (1.0, 2, 2)], "2 of 2; the last pictures are measured, then the results are written"),
     ],
 )
 def test_an_estimate_comes_from_the_steps_after_the_first(steps, told):
-    lines = _show._Lines("refreshes")
-    for step in steps:
-        lines.update(*step)
-    assert lines.line() == told
+    assert _show.progress_line("refreshes", steps) == f"refreshes: {told}"
 
 
 def test_a_replay_tells_its_progress_without_a_terminal(command, quick, monkeypatch):
     monkeypatch.setattr(_show, "LINE_EVERY_S", 0.001)
-    monkeypatch.setattr(_show, "ESTIMATE_AFTER_S", 0.0)
     done = command("replay", "still", *(word for word in quick if word != "--quiet")).done()
     told = done.err.splitlines()
     assert "preparing scene 'planes', OpenGL and metrics; then 6 refreshes of 'still'" in told

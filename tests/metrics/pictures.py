@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 from flip_evaluator import evaluate
+from scipy.ndimage import map_coordinates
 from skimage.metrics import structural_similarity
 
-from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.metrics import Alike, Compared, QualityJob
 
 FOV = Fov(-0.7, 0.6, -0.5, 0.55)
@@ -41,7 +42,7 @@ def job(seed: int, size=(40, 30)) -> QualityJob:
     return QualityJob(
         now, previous, covered, inverse_depth, turned(0.2, position_m=(0.05, 0, 0)), size,
         rendered_picture=noise(seed + 4000, size),
-        alike=Alike(rng.random((size[1], size[0])).astype(np.float32), rng.uniform(-1, 1)),
+        alike=Alike(rng.random((size[1], size[0])).astype(np.float32), rng.uniform(-1, 1), rng.random()),
     )  # fmt: skip
 
 
@@ -61,3 +62,20 @@ def ssim(shown: np.ndarray, truth: np.ndarray) -> float:
     how = {"gaussian_weights": True, "sigma": 1.5, "use_sample_covariance": False, "full": True}
     _, every = structural_similarity(*wide, channel_axis=2, data_range=255, **how)
     return float(every[11:-11, 11:-11].mean())
+
+
+def flicker(now: Compared, before: Compared) -> float | None:
+    """The figure in float64, all pixels at once by map_coordinates."""
+    high, wide = now.shown.shape[:2]
+    x, y = np.meshgrid(np.arange(wide) + 0.5, np.arange(high) + 0.5)
+    mapping = WarpMap.between(now.view, (wide, high), before.view, (wide, high))
+    at, _, _ = mapping.apply(np.stack([x, y], axis=-1), np.zeros(x.shape))
+    column, row = np.moveaxis(at - 0.5, -1, 0).round(9)  # an unmoved head keeps its outermost pixels
+    both = (column >= 0) & (column <= wide - 1) & (row >= 0) & (row <= high - 1) & now.view.seen((wide, high))[::-1]
+    place = row[both], column[both]
+    seen = before.view.seen((wide, high))[::-1][tuple(np.rint(place).astype(int))]
+    earlier = [
+        map_coordinates(channel[::-1].astype(float), place, order=1) for channel in np.moveaxis(before.error, 2, 0)
+    ]
+    change = np.abs(now.error[::-1][both] - np.stack(earlier, axis=-1))[seen]
+    return float(change.mean()) if change.size else None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import sys
 from pathlib import Path
@@ -43,7 +42,6 @@ def test_a_run_imports_it_only_where_asked_to_and_goes_on_after_a_crash(tmp_path
     result = run(tmp_path / "out", jod_s=0.1, seconds=0.2, against="none")
     assert "jod" not in result.summary and result.summary["jod_failure"] == crashing_torch
     assert result.summary["notes"].count(crashing_torch) == 1
-    assert not (tmp_path / "out" / "jod.csv").exists()
 
 
 def rated(shown: list[np.ndarray], truth: np.ndarray, second_s: float, pixels_per_degree: float) -> Clips:
@@ -66,10 +64,7 @@ def test_the_truth_has_ten_and_more_error_has_less():
     entries = [clips.entry(which, (0,)) for which in range(3)]
     assert entries[0]["mean"] == 10
     assert 10 > entries[1]["mean"] > entries[2]["mean"]
-    # By its pooling over time a clip lies between its worst and its best picture.
-    for which, entry in enumerate(entries):
-        alone = [clips.refreshes[number, 0, which] for number in range(6)]
-        assert min(alone) - 1e-4 <= entry["mean"] <= max(alone) + 1e-4
+    for entry in entries:
         assert entry["preferred"] == [pytest.approx(preferring(entry["mean"], 10))]
 
 
@@ -97,9 +92,6 @@ def test_a_replay_rates_every_refresh_and_its_comparison_twice_the_same(tmp_path
     assert first == second
     assert len(first["clips"]) == 2
     assert {"peak_cd_m2": 80, "black_cd_m2": 0.2, "rate_hz": 60}.items() <= first["display"].items()
-    with (tmp_path / "a" / "jod.csv").open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == 12 * 2 * 2
     assert first["mean"] > first["against"][0]["mean"]
     assert first["preferred"][0] > 0.5
     notes = json.loads((tmp_path / "a" / "summary.json").read_text())["notes"]

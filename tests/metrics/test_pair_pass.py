@@ -1,4 +1,4 @@
-"""FLIP, SSIM and flicker on the GPU against their judges: libraries and float64."""
+"""FLIP and SSIM on the GPU against their judges, libraries."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.metrics import Compared, PairPass, error_image, flicker
+from hmdwarp.metrics import PairPass
 
-from .pictures import flip, noise, ssim, turned
+from .pictures import flip, ssim
 
 
 def pictures(size: tuple[int, int], seed: int) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -44,32 +44,6 @@ def test_figures_are_those_of_the_libraries(size, pixels_per_degree, gpu):
         assert not same.flip_map.any() and same.ssim == 1
         again = measuring.run(shown, truth)  # by the rows of the truth that were kept
         assert np.array_equal(again.flip_map, found) and again.ssim == alike.ssim
-    measuring.close()
-
-
-@pytest.mark.parametrize("turn_rad", [0.0, 0.005, 0.07, 0.4])
-def test_flicker_is_that_of_float64(turn_rad, gpu):
-    """Places of float32 are off by a few 2**-17 pixels, errors by at most 2 from pixel to pixel."""
-    size = 66, 37
-    measuring = PairPass(gpu, size, 20.0)
-    pairs = [[noise(2 * k + i, size) for i in range(2)] for k in range(2)]
-    now, before = (Compared(*pair, turned(angle)) for pair, angle in zip(pairs, (0.0, turn_rad), strict=True))
-    for earlier in (before, Compared(before.truth, before.shown, before.view), before):
-        measuring.run(now.shown, now.truth)
-        wanted = flicker(now.error, now.view, error_image(earlier.shown, earlier.truth), earlier.view)
-        assert measuring.flicker(now, earlier) == pytest.approx(wanted, abs=2e-4)
-    measuring.close()
-
-
-def test_flicker_that_only_float64_finds(gpu):
-    size = 8, 6
-    measuring, picture = PairPass(gpu, size, 20.0), noise(1, size)
-    now = Compared(picture, picture, turned(0.0))
-    measuring.run(now.shown, now.truth)
-    assert measuring.flicker(now, now) == 0
-    assert measuring.flicker(now, Compared(picture, picture, turned(3.1))) is None  # nothing in common
-    small = Compared(picture[1:], picture[1:], turned(0.0))
-    assert measuring.flicker(now, small) is None
     measuring.close()
 
 

@@ -79,10 +79,3 @@ def test_a_file_names_them_by_its_keys():
         "link_seed -1: see latency and --out"
     )
     assert {"link_seed", "latency"} <= OFFERED
-
-
-def test_every_command_asks_for_a_guard_band_in_the_same_words():
-    helps = {name: option.help for name, options in commands.items() for option in options if option.name == "guard"}
-    assert len(helps) >= 4
-    said = "this many times the pixels on each axis, and so of the field of view in tangents"
-    assert [name for name, help in helps.items() if said not in help] == []

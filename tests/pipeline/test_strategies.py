@@ -60,6 +60,7 @@ def test_every_driver_runs_it_and_says_so(name, driver, tmp_path):
     ("said", "words"),
     [
         ({"strategy": "imposter", "warp": "forward"}, "--warp forward beside --strategy imposter"),
+        ({"strategy": "imposter", "warp": "iterative"}, "--warp iterative beside --strategy imposter"),
         ({"strategy": "imposter", "fill": "pyramid"}, "--fill pyramid beside --strategy imposter"),
         ({"strategy": "light", "effects": "none"}, "--effects none beside --strategy light"),
         ({"strategy": "imposter:"}, "settings after the colon"),

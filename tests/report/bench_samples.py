@@ -73,7 +73,7 @@ def a_row(
         "at_instants": {
             name: {at: value * factor for at, factor in hard_at.items()} for name, value in quality.items()
         },
-        "measured": dict.fromkeys(quality, 20), "notes": [], "regions": regions, "mismatch": holes * 0.7, **changes,
+        "measured": dict.fromkeys(quality, 20), "notes": [], "regions": regions, **changes,
     }  # fmt: skip
 
 

@@ -39,9 +39,7 @@ def test_everything_is_on_the_page(text):
     words += "|look-around, 800 ms: mesh_adaptive + interpolate wins by FLIP."
     wanted += words.split("|")
     wanted += [
-        COLUMNS[name].text(row)
-        for row in data["rows"]
-        for name in ("total_ms", "flip", "psnr_db", "mismatch", "silhouettes_flip")
+        COLUMNS[name].text(row) for row in data["rows"] for name in ("total_ms", "flip", "psnr_db", "silhouettes_flip")
     ]
     assert [word for word in wanted if word not in page.text] == []
     assert page.tags.count("svg") == 2 * 2  # per case error against time twice (FLIP, PSNR)
@@ -94,7 +92,7 @@ def test_texts_of_the_input_are_escaped(nasty):
 
 
 def test_without_anything_that_may_be_missing():
-    row = a_row(**aggregate([]), regions={}, mismatch=None)
+    row = a_row(**aggregate([]), regions={})
     for rows in ([], [row], [row, a_row("none", regions={})]):
         data = {"rows": rows, "schema": 1, "hmdwarp": "0.1.0", "clock": "wall"}
         found = Page(bench_page(data | dict.fromkeys(("machine", "clocks"))).html()).text

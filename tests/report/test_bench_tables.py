@@ -80,14 +80,14 @@ def test_rows_with_other_conditions_are_another_case_and_one_case_needs_no_headi
 
 
 def test_an_unmeasured_row_is_a_dash_and_comes_last():
-    nothing = a_row("rotation", **aggregate([]), mismatch=None, regions={})
+    nothing = a_row("rotation", **aggregate([]), regions={})
     text = printed([nothing, a_row()])
     assert len(re.findall("–", text)) == 6
     assert text.index("forward") < text.index("rotation")
 
 
 def test_every_column_has_a_text_for_every_row():
-    for row in (a_row(), a_row(**aggregate([]), mismatch=None, regions=None, size=None)):
+    for row in (a_row(), a_row(**aggregate([]), regions=None, size=None)):
         assert all(isinstance(column.text(row), str) and column.text(row) for column in COLUMNS.values())
 
 

@@ -16,7 +16,7 @@ from PIL import Image
 from web.browser import Browser
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.metrics import REGIONS, Alike, Compared, MeasuringProcesses, QualityJob, QualityPool, aggregate
+from hmdwarp.metrics import REGIONS, Alike, Compared, MeasuringThreads, QualityJob, QualityPool, aggregate
 from hmdwarp.report import WorstFrame, render_live_report, render_report
 from hmdwarp.report.bench.page import bench_page
 
@@ -123,7 +123,7 @@ def test_worst_frames_come_from_what_the_pool_kept():
     truth, shown, rendered, other = a_scene(0), a_scene(2), a_scene(9), a_scene(5)
     view = View(Pose(), Fov.symmetric(1.5, 1.0))
     alike, flip = Alike(np.full(truth.shape[:2], 0.25, np.float32), 0.5), np.full(truth.shape[:2], 64, np.uint8)
-    pool = QualityPool(MeasuringProcesses(0), worst=1)
+    pool = QualityPool(MeasuringThreads(0), worst=1)
     compared = Compared(shown, truth, view)
     pool.submit((3, 1), QualityJob(compared, rendered_picture=rendered, alike=alike, beside=(("none", other, flip),)))
     (kept,) = pool.worst

@@ -25,7 +25,6 @@ from hmdwarp.scenes import (
     Waving,
     as_arrived,
     load_scene,
-    scenes,
     swing_seconds,
 )
 from hmdwarp.sources.server import Server
@@ -103,15 +102,3 @@ def test_a_client_that_draws_shows_what_has_arrived(gpu, name):
     each_refresh(small(scene="workshop", warp="model", client_motion=name, seconds=0.5), look)
     assert seen == [True] * len(seen)
     assert len(seen) == 4
-
-
-@pytest.mark.parametrize("scene", scenes.names())
-def test_known_at_once_it_is_the_scene_itself(scene):
-    """All states up to an instant have come: what is known of it is what is so."""
-    found, time_ns = load_scene(scene), 1_234 * MS
-    for extrapolates in (False, True):
-        same = as_arrived(found, ArrivedState(extrapolates, time_ns))
-        for body, own in zip(same.bodies, found.bodies, strict=True):
-            found_state, state = body.motion.state(time_ns), own.motion.state(time_ns)
-            assert np.array_equal(found_state.pose.matrix(), state.pose.matrix())
-            assert np.array_equal(found_state.velocity_m_s, state.velocity_m_s)

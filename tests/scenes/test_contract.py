@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.client.effects import effects
-from hmdwarp.errors import SceneError, UnknownNameError
+from hmdwarp.errors import SceneError
 from hmdwarp.scenes import Mesh, Scene, Texture, load_scene, scenes
 
 NAMES = scenes.names()
@@ -97,8 +97,3 @@ def mesh_with(**changes) -> Mesh:
 def test_impossible_parts_of_a_scene_are_refused_by_name(make, message):
     with pytest.raises(SceneError, match=message):
         make()
-
-
-def test_an_unknown_name_is_answered_with_the_nearest():
-    with pytest.raises(UnknownNameError, match="did you mean 'room'"):
-        load_scene("rom")

@@ -7,8 +7,7 @@ import pytest
 import trimesh
 from PIL import Image
 
-from hmdwarp.colour import linear_from_srgb
-from hmdwarp.errors import InputError, SceneError
+from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download
 from hmdwarp.scenes import Scene, SceneOptions, load_scene
@@ -19,7 +18,6 @@ from .glb import IN_PLACE
 # Red above green on the left, blue above yellow on the right, in 8 x 8 pixels.
 CORNERS = np.array([[(255, 0, 0), (0, 0, 255)], [(0, 255, 0), (255, 255, 0)]], np.uint8)
 PICTURE = CORNERS.repeat(4, axis=0).repeat(4, axis=1)
-ASSUMED = "assumed (not stated in the file): a unit is a metre (--scene-scale)"
 
 
 def upright_square() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -65,66 +63,8 @@ def test_a_glb_keeps_its_texture_and_its_nodes_transforms(tmp_path, gpu):
         assert ((colour[row, column] > 0.1) == np.array(strong, bool)).all()
 
 
-@pytest.mark.parametrize(
-    ("options", "expected"),
-    [
-        ({"up": "z"}, ASSUMED),
-        ({"scale": 0.5}, "assumed (not stated in the file): y is up (--scene-up)"),
-        ({"scale": 0.5, "up": "z"}, None),
-    ],
-)
-def test_what_nobody_says_of_an_obj_is_noted_until_an_option_says_it(tmp_path, options, expected):
-    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n")
-    scene = load_scene(tmp_path / "a.obj", SceneOptions(viewpoint="0,1.6,0", **options))
-    assert [note for note in scene.notes if "assumed" in note] == ([f"a.obj: {expected}"] if expected else [])
-
-
-def test_an_obj_without_its_material_file_is_grey_and_says_so(tmp_path):
-    (tmp_path / "a.obj").write_text("mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    scene = load_scene(tmp_path / "a.obj")
-    assert "missing, drawn grey: material file 'gone.mtl'" in scene.notes[0]
-
-
 def picture_file(folder) -> None:
     Image.fromarray(PICTURE).save(folder / "picture.png")
-
-
-@pytest.mark.parametrize(
-    ("material", "tint"), [("", 1.0), ("Kd 1 1 1\n", 1.0), ("Kd 0.4 0.4 0.4\n", 1.0), ("Kd 0.8 0.8 0.8\n", 0.6038)]
-)
-def test_a_texture_is_tinted_only_by_a_colour_that_was_chosen(tmp_path, material, tint):
-    """Kd is sRGB; without one, or with trimesh's default of 0.4, the picture alone counts."""
-    picture_file(tmp_path)
-    (tmp_path / "a.mtl").write_text(f"newmtl a\n{material}map_Kd picture.png\n")
-    (tmp_path / "a.obj").write_text(
-        "mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
-    )
-    (tmp_path / "b.mtl").write_text("newmtl a\nKd 1 1 1\nmap_Kd picture.png\n")
-    (tmp_path / "b.obj").write_text((tmp_path / "a.obj").read_text().replace("a.mtl", "b.mtl"))
-    light, white = (load_scene(tmp_path / f"{name}.obj").meshes[0].light for name in "ab")
-    assert np.allclose(light, tint * white, rtol=1e-3)
-
-
-PLY = """ply
-format ascii 1.0
-comment TextureFile picture.png
-element vertex 3
-property float x
-property float y
-property float z
-property float s
-property float t
-element face 1
-property list uchar int vertex_indices
-end_header
-0 0 0 0 0
-1 0 0 1 0
-0 1 0 0 1
-3 0 1 2
-"""
-
-
-OBJ = "mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n"
 
 
 def polygon(rng: np.random.Generator) -> np.ndarray:
@@ -185,84 +125,11 @@ def test_polygons_of_any_shape_are_covered_once_with_their_picture(seed, ending,
         assert np.allclose(mesh.uv, place / (20, 3) + (0.1, 0.5), atol=1e-5) and len(scene.textures) == 1
 
 
-@pytest.mark.parametrize(("name", "text"), [("a.obj", OBJ), ("a.ply", PLY)])
-@pytest.mark.parametrize(("picture", "fault"), [(None, "is missing"), (b"no picture", "cannot be read")])
-def test_a_file_without_its_texture_is_grey_and_says_so(tmp_path, name, text, picture, fault):
-    (tmp_path / "a.mtl").write_text("newmtl a\nmap_Kd picture.png\n")
-    (tmp_path / name).write_text(text)
-    if picture is not None:
-        (tmp_path / "picture.png").write_bytes(picture)
-    scene = load_scene(tmp_path / name, IN_PLACE)
-    assert scene.notes[:-1] == (f"{name}: a file that it names {fault}, drawn grey: texture 'picture.png'",)
-    assert scene.triangle_count == 1 and np.ptp(scene.meshes[0].light, axis=1).max() < 1e-6
-
-
-def test_a_ply_keeps_its_texture(tmp_path):
-    (tmp_path / "a.ply").write_text(PLY)
-    picture_file(tmp_path)
-    scene = load_scene(tmp_path / "a.ply", IN_PLACE)
-    assert scene.notes == (f"a.ply: {ASSUMED}, y is up (--scene-up)",)
-    assert (scene.textures[0].image == PICTURE).all()
-    assert scene.meshes[0].light.min() > 0.3  # lit as anything white is
-
-
-@pytest.mark.parametrize("encoding", ["ascii", "binary"])
-def test_a_ply_keeps_its_vertex_colours_in_linear_light(tmp_path, encoding):
-    vertices, faces, _ = upright_square()
-    colours = np.array([(255, 0, 0, 255), (0, 255, 0, 255), (0, 0, 255, 255), (128, 128, 128, 255)], np.uint8)
-    trimesh.Trimesh(vertices, faces, vertex_colors=colours, process=False).export(tmp_path / "a.ply", encoding=encoding)
-    mesh = load_scene(tmp_path / "a.ply").meshes[0]
-    expected = linear_from_srgb(colours[:, :3] / 255)
-    # The same light falls on all corners of a flat square: colours are kept up to that factor.
-    factor = mesh.light[0, 0] / expected[0, 0]
-    assert 0.3 < factor < 1.5
-    assert np.allclose(mesh.light, expected * factor, atol=1e-6)
-
-
 def test_a_scene_far_from_the_origin_keeps_its_float64_place(tmp_path):
     (tmp_path / "far.obj").write_text("v 1000000.125 0 0\nv 1000001.125 0 0\nv 1000000.125 1.5 0\nf 1 2 3\n")
     scene = load_scene(tmp_path / "far.obj", IN_PLACE)
     assert np.abs(scene.meshes[0].positions).max() < 10
     assert np.allclose(world_corners(scene)[0], (1000000.125, 0, 0), atol=1e-6)
-
-
-ENDINGS = r"cannot read '\.stl' scenes; expected a \.glb, \.gltf, \.obj, \.ply or Mitsuba \.xml file"
-
-
-@pytest.mark.parametrize(
-    ("name", "text", "said"),
-    [
-        *((f"a.{ending}", None, "no such file") for ending in ("glb", "obj", "ply")),
-        *((f"a.{ending}", "", "the file is empty") for ending in ("glb", "obj", "ply")),
-        ("a.stl", "solid a\nendsolid a\n", ENDINGS),
-        ("points.obj", "v 0 0 0\nv 1 0 0\n", ""),
-        ("points.ply", PLY.replace("face 1", "face 0").replace("3 0 1 2\n", ""), ""),
-        ("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n", "not a finite number"),
-        ("two-numbers-a-vertex.obj", "v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", ""),
-        ("no-such-vertex.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", ""),
-        ("one-number-a-vertex.obj", "v 0\nv 1\nv 2\nf 1 2 3\n", ""),
-        ("a-vertex-before-the-first.obj", "v 0 0 0\nf 1 1 -7\n", ""),
-    ],
-)
-def test_a_file_that_is_no_scene_is_refused_in_one_line(tmp_path, name, text, said):
-    path = tmp_path / name
-    if text is not None:
-        path.write_text(text, encoding="utf-8")
-    with pytest.raises(SceneError, match=said or name) as refused:
-        load_scene(path)
-    assert str(path) in str(refused.value) and "\n" not in str(refused.value)
-
-
-def test_an_obj_is_scaled_and_turned_too(tmp_path):
-    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1000 0 0\nv 0 2000 0\nf 1 2 3\n")
-    scene = load_scene(tmp_path / "a.obj", SceneOptions(scale=0.001, up="z", viewpoint="0,1.6,0"))
-    assert np.allclose(world_corners(scene), [(0, 0, -2), (0, 0, 0), (1, 0, 0)])
-
-
-@pytest.mark.parametrize("place", ["1,2", "1,2,nan", "1,2,3,4,5"])
-def test_a_viewpoint_of_too_few_or_odd_numbers_is_refused(place):
-    with pytest.raises(InputError, match=r"viewpoint '.*': expected X,Y,Z or X,Y,Z,YAW"):
-        SceneOptions(viewpoint=place)
 
 
 @pytest.mark.parametrize("option", [{"scale": 0.01}, {"up": "z"}, {"viewpoint": "0,1,2"}, {"animation": "none"}])

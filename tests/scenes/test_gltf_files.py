@@ -1,4 +1,4 @@
-"""Scenes of glTF: what is read of each small file in `files/`, or with what it is refused.
+"""Scenes of files: what is read of each small one in `files/`, or with what it is refused.
 
 `files.toml` has the options of some, `files.txt` what was read. A new file is added as it is;
 after an intended change look at what differs, then write it:
@@ -25,7 +25,7 @@ from .glb import IN_PLACE
 FILES = Path(__file__).parent / "files"
 GOLDEN = FILES.with_suffix(".txt")
 STATED = tomllib.loads(FILES.with_suffix(".toml").read_text(encoding="utf-8"))
-NAMES = sorted(path.name for path in FILES.iterdir())
+NAMES = sorted(path.name for path in FILES.iterdir() if path.suffix not in (".mtl", ".png", ".serialized"))
 NUMBER = re.compile(r"-?\d+\.\d+")
 AT_NS = (0, 300_000_000, 1_100_000_000, 2_700_000_000)
 

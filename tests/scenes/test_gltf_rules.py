@@ -13,7 +13,6 @@ import pytest
 from PIL import Image
 from worlds import read
 
-from hmdwarp.client.effects import effects
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import SceneError
 from hmdwarp.frames import Needs
@@ -113,14 +112,6 @@ def test_lamps_and_pictures_that_shine_exclude_each_other(tmp_path):
     shining = _textured(tmp_path).textures
     with pytest.raises(SceneError, match="shines"):
         attrs.evolve(lit, textures=[*lit.textures, *shining])
-
-
-def test_sixteen_bits_of_grey_on_an_obj_are_scaled(tmp_path):
-    Image.fromarray(np.full((4, 4), 20_000, np.uint16)).save(tmp_path / "grey.png")
-    (tmp_path / "m.mtl").write_text("newmtl a\nmap_Kd grey.png\n", encoding="utf-8")
-    rows = ["mtllib m.mtl", "v -1 -1 -3", "v 1 -1 -3", "v 0 1 -3", "vt 0 0", "vt 1 0", "vt 0 1", "usemtl a"]
-    (tmp_path / "thing.obj").write_text("\n".join([*rows, "f 1/1 2/2 3/3"]) + "\n", encoding="utf-8")
-    assert np.unique(load_scene(tmp_path / "thing.obj", IN_PLACE).textures[0].image).tolist() == [78]
 
 
 @pytest.fixture
@@ -278,14 +269,6 @@ def test_glass_lets_pass_what_gltf_says(tmp_path, gpu, glass, picture):
     assert np.abs(layers["passing"] - passing).max() < 1e-3
     assert np.abs(layers["passing"] * behind + layers["veil"] - expected).max() < 2e-3
     assert passing.min() >= 1 - cover - 1e-9
-
-
-def test_an_obj_says_by_d_how_much_it_dissolves(tmp_path):
-    (tmp_path / "a.mtl").write_text("newmtl glass\nKd 0.2 0.4 0.6\nd 0.3\n")
-    corners = "\n".join(f"v {x} {y} {z}" for x, y, z in SQUARE)
-    (tmp_path / "a.obj").write_text(f"mtllib a.mtl\n{corners}\nusemtl glass\nf 1 2 3\nf 1 3 4\n")
-    scene = load_scene(tmp_path / "a.obj")
-    assert effects.of(scene) == ("transparency",) and scene.meshes[0].material.opacity == pytest.approx(0.3)
 
 
 @pytest.mark.parametrize("kind", ["LINEAR", "CUBICSPLINE"])

@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
+import shutil
 import struct
 import tracemalloc
 import zlib
+from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from hmdwarp.errors import HmdwarpError, SceneError
 from hmdwarp.options.identity import hash_of_files
-from hmdwarp.scenes import SceneOptions, load_scene
+from hmdwarp.scenes import load_scene
 
-AT = '<transform name="{}"><matrix value="1 0 0 {} 0 1 0 1 0 0 1 -2 0 0 0 1"/></transform>'
-SCENE = f"""<scene version="0.6.0">
-  <texture type="bitmap" id="oak"><string name="filename" value="oak.png"/></texture>
-  <bsdf type="twosided" id="wood"><bsdf type="plastic"><ref name="diffuseReflectance" id="oak"/></bsdf></bsdf>
-  <shape type="rectangle">{AT.format("toWorld", 0)}<ref id="wood"/></shape>
-  <shape type="obj"><string name="filename" value="part.obj"/>{AT.format("to_world", 3)}
-    <bsdf type="diffuse"><rgb name="reflectance" value="0.1, 0.2, 0.3"/></bsdf></shape>
-  <shape type="serialized"><string name="filename" value="parts.serialized"/>
-    <integer name="shapeIndex" value="1"/><bsdf type="roughconductor"/></shape>
-  <shape type="rectangle"><bsdf type="dielectric"/></shape>
-  <shape type="rectangle"><emitter type="area"/></shape>
-  <shape type="sphere"/>
-</scene>"""
+from .glb import IN_PLACE
+
+FILES = Path(__file__).with_name("files")
+SCENE = (FILES / "mitsuba.xml").read_text(encoding="utf-8")
 
 
 def serialized_file(version: int, name: bytes, after: bytes = b"") -> bytes:
@@ -43,43 +35,21 @@ def serialized_file(version: int, name: bytes, after: bytes = b"") -> bytes:
 
 @pytest.fixture
 def scene(tmp_path):
-    folder = tmp_path / "shed"
-    folder.mkdir()
-    Image.new("RGB", (2, 2), (255, 0, 0)).save(folder / "oak.png")
-    (folder / "part.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    (folder / "parts.serialized").write_bytes(serialized_file(4, b"a part\0"))
-    (folder / "scene.xml").write_text(SCENE)
-    return folder / "scene.xml"
-
-
-HERE = SceneOptions(viewpoint="0,1.6,0")  # leaves every coordinate as it is in the file
-
-
-def test_shapes_stand_where_their_matrices_say_in_the_colours_of_their_surfaces(scene):
-    loaded = load_scene(scene, HERE)
-    square, part, metal, lamp = loaded.meshes
-    at = [mesh.positions + loaded.origin_m for mesh in loaded.meshes]
-    assert loaded.name == "shed" and loaded.triangle_count == 2 + 1 + 1 + 2
-    assert at[0][:, 2] == pytest.approx(-2) and at[0].mean(axis=0)[:2] == pytest.approx([0, 1])
-    assert at[1][0] == pytest.approx([3, 1, -2]) and at[2][0] == pytest.approx([1, 0, 0])
-    assert square.texture == 0 and loaded.textures[0].image[0, 0, 0] == 255
-    assert part.albedo[0] / part.albedo[0, 2] == pytest.approx([1 / 3, 2 / 3, 1])  # less light, one hue
-    assert lamp.light == pytest.approx(1) and metal.texture == -1
-    # Its rows go down, ours up.
-    assert metal.uv == pytest.approx(np.array([(0, 1), (1, 1), (0, 0)]))
-    assert any("glass is left out" in note for note in loaded.notes)
-    assert any("no mesh are left out: sphere" in note for note in loaded.notes)
+    """A copy of the scene whose loading is golden, in a folder of its own."""
+    shutil.copytree(FILES, tmp_path / "shed", ignore=lambda _, names: [n for n in names if "mitsuba" not in n])
+    return (tmp_path / "shed" / "mitsuba.xml").rename(tmp_path / "shed" / "scene.xml")
 
 
 def test_an_older_file_of_meshes_has_no_names_and_short_places(scene):
-    later = load_scene(scene, HERE).meshes[2].positions
-    (scene.parent / "parts.serialized").write_bytes(serialized_file(3, b""))
-    assert np.array_equal(load_scene(scene, HERE).meshes[2].positions, later)
+    assert load_scene(scene, IN_PLACE).name == "shed"
+    later = load_scene(scene, IN_PLACE).meshes[2].positions
+    (scene.parent / "mitsuba.serialized").write_bytes(serialized_file(3, b""))
+    assert np.array_equal(load_scene(scene, IN_PLACE).meshes[2].positions, later)
 
 
 def test_its_hash_is_that_of_all_it_names(scene):
     before = hash_of_files(scene)
-    (scene.parent / "part.obj").write_text("v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n")
+    (scene.parent / "mitsuba-part.obj").write_text("v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n")
     assert hash_of_files(scene) != before
 
 
@@ -88,13 +58,13 @@ def test_its_hash_is_that_of_all_it_names(scene):
     [
         ("<scene", "<scene <", "not a readable XML file"),
         ("<matrix value", "<translate value", "placed by <translate>"),
-        ("part.obj", "../part.obj", "outside"),
+        ("mitsuba-part.obj", "../mitsuba-part.obj", "outside"),
         ('value="1"/><bsdf type="rough', 'value="2"/><bsdf type="rough', "not a readable mesh"),
     ],
 )
 def test_what_cannot_be_read_is_refused_in_one_line(scene, said, instead, why):
     scene.write_text(SCENE.replace(said, instead))
-    (scene.parent.parent / "part.obj").write_text("v 0 0 0\n")
+    (scene.parent.parent / "mitsuba-part.obj").write_text("v 0 0 0\n")
     with pytest.raises(HmdwarpError, match=why) as caught:
         load_scene(scene)
     assert isinstance(caught.value, SceneError) or why == "outside"
@@ -104,10 +74,10 @@ def test_what_cannot_be_read_is_refused_in_one_line(scene, said, instead, why):
 def test_damaged_meshes_are_refused_and_no_more_is_unpacked_than_a_mesh_holds(scene):
     """Half a gigabyte of zeros packs into half a megabyte."""
     many = struct.pack("<I", 0x1000) + b"\0" + struct.pack("<QQ", 10**12, 1)
-    path = scene.parent / "parts.serialized"
+    path = scene.parent / "mitsuba.serialized"
     for data in (b"", b"\x1c\x04", packed(many), serialized_file(4, b"a part\0")[:-60]):
         path.write_bytes(data)
-        with pytest.raises(SceneError, match=r"parts\.serialized: not a readable mesh"):
+        with pytest.raises(SceneError, match=r"mitsuba\.serialized: not a readable mesh"):
             load_scene(scene)
     path.write_bytes(serialized_file(4, b"a part\0", after=bytes(1 << 29)))
     tracemalloc.start()

@@ -75,9 +75,6 @@ def test_a_track_that_ends_stands_still_there():
         assert not state.angular_velocity_rad_s.any()
 
 
-# --- what deforms ---
-
-
 def figure() -> Deformation:
     """A skin over joints, of which each turns those below it."""
     return next(mesh.deformation for mesh in load_scene("parade").meshes if mesh.name == "figure-fabric")
@@ -103,9 +100,6 @@ def test_cloth_is_held_at_its_edge():
     for time_ns in (0, 200_000_000, 900_000_000):
         assert np.array_equal(one.positions(time_ns)[0], one.rest[0])
     assert np.allclose(one.positions(0), one.positions(1_400_000_000))
-
-
-# --- what a scene makes of them ---
 
 
 def triangle(**settings) -> Mesh:
@@ -144,13 +138,3 @@ FAN = [Body("one", MOTIONS["spinning"])]
 def test_what_cannot_move_is_refused(make, message):
     with pytest.raises(SceneError, match=message):
         make()
-
-
-def test_the_workshop_closes_its_loops():
-    """A prediction over 30 ms is right, except where the ball is thrown anew."""
-    scene = load_scene("workshop")
-    assert [body.name for body in scene.bodies] == ["fan", "cart", "ball"]
-    for body in scene.bodies:
-        for time_ns in (0, 350_000_000, 5 * S):
-            predicted = body.motion.state(time_ns).after(30_000_000)
-            assert predicted.isclose(body.motion.state(time_ns + 30_000_000).pose, 5e-3)

@@ -12,7 +12,7 @@ from hmdwarp.client.effects import effects
 from hmdwarp.errors import SceneError
 from hmdwarp.scenes import Ball, Body, Material, Mesh, Scene, Texture, load_scene, unlit
 
-from .surfaces import Surface, box, join, patch
+from .surfaces import Surface, box, patch
 
 
 def mesh_of(surface: Surface, light=(0.5, 0.5, 0.5), **fields) -> Mesh:
@@ -71,18 +71,6 @@ def test_a_box_of_six_patches_stays_closed():
     assert len(kept.triangles) <= 0.03 * len(whole.triangles)
     assert area(kept) == pytest.approx(22, rel=1e-5)
     assert open_edges(kept) == 0
-
-
-def test_small_things_go_before_walls_are_bent():
-    """A third of the triangles leaves a wall whole: boxes that have none to spare go."""
-    boxes = [box((0.3 * k, 0, 0.5), (0.02 + 0.001 * k,) * 3, cell_m=1) for k in range(40)]
-    bend = SHEET.positions + np.sin(3 * SHEET.positions[:, :1]) * (0, 0, 0.3)
-    wall = Surface(bend, SHEET.normals, SHEET.uv, SHEET.triangles)
-    shelf, kept_wall = mesh_of(join(boxes)), mesh_of(wall)
-    whole = scene_of(kept_wall, shelf)
-    kept = reduced(whole, 0.3)
-    assert kept.triangle_count <= 0.31 * whole.triangle_count
-    assert area(kept.meshes[0]) == pytest.approx(area(kept_wall), rel=0.01)
 
 
 def test_meshes_that_meet_still_meet():
@@ -174,9 +162,6 @@ def test_a_scene_of_few_triangles_keeps_them_all():
     assert hmdwarp.scenes.reduced(scene, 0.2).triangle_count == scene.triangle_count
 
 
-# --- smaller textures ---
-
-
 def painted(image: np.ndarray, **fields) -> Texture:
     return Texture("painted", image.astype(np.uint8), **fields)
 
@@ -219,9 +204,6 @@ def test_at_full_scale_textures_are_the_scenes_own_and_nothing_is_painted_before
     assert (made.image == 200).all()
     assert made.image is made.image
     assert len(calls) == 1
-
-
-# --- without light ---
 
 
 def test_unlit_is_the_material_alone():

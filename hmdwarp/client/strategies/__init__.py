@@ -92,11 +92,11 @@ def has_own_link(text: str) -> bool:
     return strategy.has_own_link(settings)
 
 
-def with_strategy(said: Mapping[str, Any], defaults: Mapping[str, Any]) -> Mapping[str, Any]:
+def with_strategy(said: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return the options that were set, with those that the strategy in it sets.
 
-    said, defaults: by option name; an option at its default counts as not said. Errors: as
-    options_of_strategy; InputError for an option that the strategy sets otherwise.
+    said: by option name. Errors: as options_of_strategy; InputError for an option that the strategy
+    sets otherwise, its default too.
     """
     text = said.get("strategy")
     if not text:
@@ -105,7 +105,7 @@ def with_strategy(said: Mapping[str, Any], defaults: Mapping[str, Any]) -> Mappi
     sets = strategy.options(settings)
     for name, value in sets.items():
         given = said.get(name)
-        if given not in (None, value, defaults.get(name)):
+        if given not in (None, value):
             raise InputError(
                 f"--{name.replace('_', '-')} {given} beside --strategy {text}, which sets it to '{value}': leave one "
                 "of the two out"

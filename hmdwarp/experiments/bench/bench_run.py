@@ -10,8 +10,7 @@ import os
 import platform
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import reduce
-from operator import add, itemgetter
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -27,8 +26,7 @@ from ...metrics import (
     BOUND,
     PRIMARY,
     QUALITY,
-    MeasuringProcesses,
-    Mismatch,
+    MeasuringThreads,
     QualityJob,
     QualityPool,
     at_instants,
@@ -111,7 +109,6 @@ def row_of(
         "blocks": {str(frame): blocks_text(blocks) for frame, blocks in measured.blocks.items()},
         "regions": pooled(regions[key] for key in measured.keys),
         **({"where_seen": {"share": seen / pixels, "psnr_db": db_of(error / seen)}} if seen else {}),
-        "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
     }
 
 
@@ -119,8 +116,6 @@ def flat(rows: Iterable[Row], columns: Columns) -> Iterator[dict[str, Any]]:
     """Yield the rows of a file under its columns."""
     filed = [column for column in columns.values() if column.is_filed]
     return ({column.name: column.value(row) for column in filed} for row in rows)
-
-
 
 
 class Rows(list[dict[str, Any]]):
@@ -186,10 +181,10 @@ def _most_bytes(gpu: Gpu) -> float:
     return measuring.MEMORY_PART * memory_bytes() if gpu.is_software else measuring.GPU_BATCH_BYTES
 
 
-def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[float], None]) -> Result:
+def run_case(threads: MeasuringThreads, case: SweepCase, step: Callable[[float], None]) -> Result:
     """Time and measure all combinations of a case; return the machine and ROWS."""
     work: BenchCase = prepared(case.what)
-    options, client, pool = work.options, load_client(work.options.client), QualityPool(processes)
+    options, client, pool = work.options, load_client(work.options.client), QualityPool(threads)
     about, most = examined()
     chosen = work.batched(most)
     shares = (done / (work.instants * len(chosen)) for done in itertools.count(1))
@@ -205,7 +200,7 @@ def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[flo
             pool.wait()
             rows += [(each.combination, row_of(setup, work.case, each, pool, client)) for each in comparison.measured]
     measured = [{**row, "machine": about["machine"]} for _, row in rows]
-    crops = [] if options.suite else _crops(work, chosen, rows, QualityPool(processes))
+    crops = [] if options.suite else _crops(work, chosen, rows, QualityPool(threads))
     return Result({**about, ROWS: measured}, {CROPS: packed(crops)} if crops else {})
 
 
@@ -440,7 +435,7 @@ _KEY = (
     *("strategy", "warp", "fill"),
 )
 # Of the picture, not of the machine that made it.
-_QUALITY = ("quality", "measured", "at_instants", "regions", "mismatch", "blocks", "frames", "jod", "where_seen")
+_QUALITY = ("quality", "measured", "at_instants", "regions", "blocks", "frames", "jod", "where_seen")
 _MACHINE = ("machine", "clock", "clocks")
 
 

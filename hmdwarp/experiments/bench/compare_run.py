@@ -21,7 +21,7 @@ from ...errors import InputError, PlanError
 from ...frames import EyeSizes, frame_bytes, video_pixels
 from ...link import LinkOptions
 from ...link.codec import codecs
-from ...metrics import MeasuringProcesses, at_instants
+from ...metrics import MeasuringThreads, at_instants
 from ...options import PAPER
 from ...pipeline.proxy import source_of
 from ...pipeline.sizes import build_plan_for
@@ -213,12 +213,12 @@ def pictures_of(kept: KeptCases, case: SweepCase) -> tuple[Picture, Picture]:
     return shown, truth
 
 
-def _run_part(processes: MeasuringProcesses, case: SweepCase, step: Callable[[float], None]) -> Result:
+def _run_part(threads: MeasuringThreads, case: SweepCase, step: Callable[[float], None]) -> Result:
     """Run one strategy; its pictures are kept with its row."""
     part: ComparePart = case.what
     clients = [load_client(name) for name in part.clients]
     try:
-        result = measured(part.run, processes=processes)
+        result = measured(part.run, threads=threads)
     except NothingShown as error:  # a result of its own, without pictures
         assert error.result is not None
         return Result(_row(part.run, error.result, clients))

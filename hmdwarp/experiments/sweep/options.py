@@ -45,7 +45,7 @@ class ClusterOptions(Declared):
     )
 
     def measuring(self, workers: int | None) -> int | None:
-        """Return the measuring processes of a run: a cluster's workers measure themselves."""
+        """Return the measuring threads of a run: a cluster's workers measure themselves."""
         return 0 if self.cluster and workers is None else workers
 
 

@@ -16,6 +16,7 @@ import uuid
 from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -23,7 +24,7 @@ import attrs
 
 from ...errors import HmdwarpError, InputError, MachineError
 from ...gpu.context import contexts_kept
-from ...metrics import MeasuringProcesses, worker_count
+from ...metrics import MeasuringThreads, worker_count
 from ...options.documents import json_in
 from ...options.identity import identity_of, whole_program_hash
 from ...options.named_files import RESULTS
@@ -199,7 +200,7 @@ class Work(Protocol):
     """How the cases of a command are run. It crosses to other machines by pickle."""
 
     def opened(self) -> AbstractContextManager[Runner]:
-        """Open what cases share, such as measuring processes."""
+        """Open what cases share, such as measuring threads."""
 
 
 @attrs.frozen
@@ -214,23 +215,15 @@ class Separate:
 
 @attrs.frozen
 class Measuring:
-    """A Work whose cases measure pictures in the same other processes."""
+    """A Work whose cases measure pictures in the same threads."""
 
-    run: Callable[[MeasuringProcesses, SweepCase, Step], Result]
+    run: Callable[[MeasuringThreads, SweepCase, Step], Result]
     workers: int | None  # as the option
 
     @contextmanager
     def opened(self) -> Iterator[Runner]:
-        with MeasuringProcesses(worker_count(self.workers)) as processes:
-
-            def runner(case: SweepCase, step: Step) -> Result:
-                try:
-                    return self.run(processes, case, step)
-                except BaseException:
-                    processes.close()
-                    raise
-
-            yield runner
+        with MeasuringThreads(worker_count(self.workers)) as threads:
+            yield partial(self.run, threads)
 
 
 def run_group(runner: Runner, cases: Sequence[SweepCase], step: Step) -> Iterator[tuple[SweepCase, Result | Failure]]:

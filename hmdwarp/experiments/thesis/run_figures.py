@@ -24,7 +24,7 @@ from ...gpu.textures import download
 from ...headsets import load_headset
 from ...link import SUM, Bandwidth, LinkOptions
 from ...link.codec import Coding
-from ...metrics import LEAST_STEP, RELATIVE_STEP, Compared, flicker, hole_share, psnr
+from ...metrics import LEAST_STEP, RELATIVE_STEP, Compared, hole_share, psnr
 from ...pipeline.loop import Refresh
 from ...pipeline.sizes import build_plan_for, refreshes_of
 from ...poses import GLIDES, synthesise
@@ -258,7 +258,7 @@ class _Watcher:
             "flicker": None,
         }
         if self._before is not None:
-            found["flicker"] = flicker(now.error, now.view, self._before.error, self._before.view)
+            found["flicker"] = self._setup.pairs.flicker(now, self._before)
         if late[0].shape == now.shown.shape and there.any():
             true = now.truth[there][None]
             found["gain_db"] = psnr(now.shown[there][None], true) - psnr(late[0][there][None], true)

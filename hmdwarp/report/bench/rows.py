@@ -332,7 +332,6 @@ def _columns() -> Iterator[Column]:
         yield number(f"{region}_share", f"{name} share", "%", 1, 100, keys=("regions", region, "share"))
         yield number(f"{region}_psnr_db", f"PSNR {name}", "dB", 2, keys=("regions", region, "psnr_db"))
         yield number(f"{region}_flip", f"FLIP {name}", "", 3, keys=("regions", region, "flip"))
-    yield number("mismatch", "mismatch", "%", 1, 100)
     yield from (*RATED, *map(text, ("client", "lacks", "baseline")))
     yield from (text(name, value=at("machine", name)) for name in ("gl_renderer", "gl_version"))
     yield from (number("cpu_count", keys=("machine", "cpu_count"), kind=int), text("host", value=at("machine", "host")))
@@ -353,7 +352,7 @@ def measure_label(measure: str) -> str:
 
 _RANKS = {metric.name: metric.bench_rank for metric in metrics_in_order() if metric.bench_rank is not None}
 _TIMES = ("total_ms", "total_ms_p95")
-DECISION = ("warp", "fill", *_TIMES, *(f"{name}{end}" for name in _RANKS for end in ("", "_spread")), "mismatch")
+DECISION = ("warp", "fill", *_TIMES, *(f"{name}{end}" for name in _RANKS for end in ("", "_spread")))
 # The terminal has those that fit beside a long name in 80 columns.
 _OF_TERMINAL = ("warp", "fill", "total_ms", PRIMARY, f"{PRIMARY}_spread", "psnr_db", "ssim", "hole_share")
 

@@ -38,7 +38,7 @@ def test_a_bench_measures_one_eye_at_recorded_instants(folder, tmp_path):
     rows = bench(options(folder, tmp_path, warp=["iterative", "rotation"])).data["rows"]
     assert [row["warp"] for row in rows] == ["iterative", "rotation"]
     assert {(row["scene"], row["trace"], tuple(row["size"])) for row in rows} == {("slide", "slide", (36, 24))}
-    assert all(row["quality"]["psnr_db"]["mean"] > 10 and row["mismatch"] is None for row in rows)
+    assert all(row["quality"]["psnr_db"]["mean"] > 10 for row in rows)
 
 
 def test_a_guard_band_is_cut_off_what_is_shown(folder, tmp_path):
