@@ -9,6 +9,7 @@ import logging
 import os
 import platform
 import re
+import socket
 import threading
 import time
 import traceback
@@ -16,6 +17,7 @@ import uuid
 from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from datetime import datetime
 from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
@@ -132,22 +134,31 @@ class KeptCases:
 
 @contextmanager
 def held(folder: Path) -> Iterator[None]:
-    """Keep other runs out of a folder. Errors: MachineError if one writes there."""
-    place = folder / FOLDER
-    place.mkdir(parents=True, exist_ok=True)
-    handle = os.open(place, os.O_RDONLY)
+    """Keep other runs out of a folder. Errors: MachineError that says who holds it since when."""
+    path, is_there = folder / ".lock", False
+    while not is_there:
+        file = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
+        try:
+            lock(file)
+            is_there = path.exists() and os.path.samestat(os.fstat(file), path.stat())
+        except BlockingIOError as error:
+            holder = os.read(file, 500).decode(errors="replace").strip()
+            os.close(file)
+            raise MachineError(
+                f"{folder}: another run writes here ({holder}): end it first, wait, or take another folder"
+            ) from error
+        except OSError:  # a file system that locks nothing
+            is_there = True
+        if not is_there:
+            os.close(file)  # its holder has just deleted it
     try:
-        with suppress(OSError):  # of a file system that locks nothing
-            try:
-                lock(handle)
-            except BlockingIOError as error:
-                why = f"{folder}: another run writes here: end it first, wait, or take another folder"
-                raise MachineError(why) from error
+        now = datetime.now().astimezone()
+        os.ftruncate(file, 0)  # what one that was killed has written
+        os.write(file, f"since {now:%H:%M on %Y-%m-%d}, process {os.getpid()} on {socket.gethostname()}".encode())
         yield
-        with suppress(OSError):  # cases are kept there
-            place.rmdir()
     finally:
-        os.close(handle)
+        path.unlink(missing_ok=True)
+        os.close(file)
 
 
 Row = dict[str, Any]
