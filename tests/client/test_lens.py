@@ -88,19 +88,6 @@ def test_holes_keep_their_coverage(gpu):
     assert np.array_equal(got, np.zeros_like(got))
 
 
-@pytest.mark.parametrize("name", WITH_LENS)
-def test_the_right_panel_mirrors_the_left(gpu, name):
-    headset, size = load_headset(name), (67, 53)
-    left_picture = np.random.default_rng(5).uniform(0, 1, (size[1], size[0], 4)).astype(np.float16).astype(np.float64)
-    left = through_the_lens(gpu, left_picture, headset, 0, size)
-    right = through_the_lens(gpu, left_picture[:, ::-1], headset, 1, size)
-    allowed = 2 * (HALF_UNIT + 2 * sampler_error_pixels(gpu, size))
-    for channel, colour in enumerate(COLOURS):
-        _, error, decided = places(headset, 0, size, size, colour)
-        tolerance = allowed + 4 * error
-        assert (np.abs(left[..., channel] - right[:, ::-1, channel]) <= tolerance)[decided].all()
-
-
 def test_colours_part_where_the_lens_parts_them(gpu):
     """The DK1's blue is magnified more than its red. The three channels of a grey picture differ
     away from the axis, not on it."""

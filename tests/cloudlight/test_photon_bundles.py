@@ -137,24 +137,6 @@ def test_all_bundles_end_up_current_after_loss_and_overtaking(data):
     assert net.book.whole and not net.book.stale([bytes([light]) for light in lights])
 
 
-def test_only_what_has_changed_is_sent_and_the_oldest_first():
-    net = Network(4)
-    net.send([1, 1, 1, 1], 4, 0)
-    assert len(net.under_way[0]) == 4
-    assert not net.send([1, 1, 1, 1], 4, 1).pieces
-    assert {bundle for bundle, _ in net.send([1, 2, 1, 2], 4, 2).pieces} == {1, 3}
-    first = [bundle for bundle, _ in net.send([3, 3, 3, 3], 2, 3).pieces]
-    assert set(first) == {0, 2}, "those that were sent longest ago"
-
-
-def test_an_empty_bundle_is_sent_only_where_it_replaces_something():
-    net = Network(2)
-    assert not net.send([0, 0], 2, 0).pieces
-    assert net.send([0, 4], 2, 1).pieces == ((1, 1),)
-    assert net.send([0, 0], 2, 2).pieces == ((1, 2),)
-    assert not net.send([0, 0], 2, 3).pieces
-
-
 def test_ten_minutes_take_no_more_memory_than_ten_seconds():
     """At 20 frames a second over a bad link with a round trip of half a second."""
     chance, net = np.random.default_rng(2), Network(16)
@@ -290,17 +272,3 @@ def test_no_light_no_photons():
     assert not len(traced(tracer, outside, direct=True)), "nor any through the backs of walls"
     assert not len(traced(tracer_of(scene_of([], 0.5), 16, 4), POINT, direct=True))
     assert light_keys([], WHITE_SKY) == []
-
-
-def test_far_from_the_origin_photons_are_the_same():
-    near = load_scene("lantern")
-    far = attrs.evolve(
-        near,
-        origin_m=np.array((1e6, -1e6, 1e6)),
-        lamps=[Lamp(Fixed(near.lamps[0].place(0)[:3] + (1e6, -1e6, 1e6)), near.lamps[0].colour)],
-    )
-    (here,), (there,) = (
-        tracer_of(lamp_scene, 64, 4).trace(lamps_at(lamp_scene, 0)[0], [2]) for lamp_scene in (near, far)
-    )
-    # Places in the world are good to 1e-10 m there, and a bounce or ten makes more of it.
-    assert np.allclose(here.places, there.places, atol=1e-6)

@@ -15,7 +15,6 @@ from hmdwarp.cloudlight.voxels import VoxelGrid, voxel_surfaces
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
-from hmdwarp.geometry.cube import FACES
 from hmdwarp.scenes import Background, Lamp, Scene, load_scene
 from hmdwarp.sources.server import Server
 
@@ -137,37 +136,6 @@ def test_far_from_the_origin_it_is_the_same_picture(gpu):
     assert same.mean() > 0.99
 
 
-def test_the_cube_has_the_light_of_the_picture(gpu):
-    """Within its face ahead lies the picture of a right angle, pixel for pixel. Cones look from
-    pixels of half the size, which lie elsewhere in the two: half a pixel of 2/32, where light
-    halves within a cell of 7 cm beside an edge, is below a tenth, and next to nothing elsewhere."""
-    scene = scene_of(*room((0.7, 0.6, 0.5)), lamps=[lamp((0.3, 1.5, 0.2), (1, 1, 1))])
-    view = View(Pose((0.1, 1.0, 0.2)), Fov(*[sign * math.pi / 4 for sign in (-1, 1, -1, 1)]))
-    got, eye = lit(gpu, scene, view, needs=Needs(cube=True), size=(32, 32), keep=lambda eye: read(eye["cube"]))
-    ahead = FACES[1]
-    x, y = 34 * ahead.column + 1, 34 * ahead.row + 1
-    apart = np.abs(eye[y : y + 32, x : x + 32, :3] / got - 1)
-    assert np.median(apart) < 0.01 and apart.max() < 0.1
-
-
-def test_peeled_layers_are_lit_as_the_picture(gpu):
-    """The layer behind boxes is lit from the grid too: as near to converged light as the picture,
-    but for the floor under them, since surfaces stop no light that comes from behind."""
-    server, time_ns = Server(gpu, load_scene("lantern")), 700_000_000
-    shown = []
-    for needs in (Needs(peeled=1), Needs(peeled=1) | lit_by("voxels:size=32")):
-        frame = server.draw_frame([VIEW], time_ns, SIZE, needs=needs)
-        shown.append(read(frame.eyes[0]["peeled"][0].colour).astype(float))
-        server.recycle(frame)
-    server.close()
-    there = shown[0][..., 3] > 0
-    assert np.array_equal(there, shown[1][..., 3] > 0)
-    bright = there & (shown[0][..., :3].mean(axis=2) > 0.005)
-    share = (shown[1][bright] / shown[0][bright])[:, :3]
-    assert len(share) > 50 and 0.9 < np.median(share) < 1.1
-    assert not np.array_equal(*shown)
-
-
 def test_the_grid_is_lit_at_its_rate_and_shared_by_all_views(gpu):
     """A second view in the same update finds the grid lit: it changes nothing, not even the light
     of the first. Within an update the light between surfaces stands still while lamps go on."""
@@ -255,17 +223,6 @@ def test_no_area_is_lost_or_made(name):
     known = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
     grid, pieces, _ = covered(scene, 32)
     assert pieces.areas.sum() * grid.cell_m**2 == pytest.approx(known, rel=1e-9)
-
-
-def test_a_square_fills_cells_whole_halves_at_its_sides_and_quarters_at_its_corners():
-    """It is 13 cells wide, from the middle of a cell to that of another, by the grid's rule."""
-    grid, pieces, areas = covered(surfaces_of(wall((0, 0.5, 0), (1, 0, 0), (0, 0, -1), GREY)), 16)
-    along = np.array([0, 0.5, *[1.0] * 12, 0.5, 0])
-    assert grid.cell_m == pytest.approx(2 / 13)
-    assert np.allclose(areas.sum(axis=1), np.outer(along, along))
-    assert len(pieces) == 14 * 14
-    assert np.allclose(pieces.normals, (0, 1, 0)) and np.allclose(pieces.places[:, 1], 0.5)
-    assert np.allclose(pieces.albedo, GREY, atol=1e-7)
 
 
 def test_a_slanted_square_covers_each_cell_as_a_fine_raster_of_it_does():

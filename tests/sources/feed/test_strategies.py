@@ -137,6 +137,13 @@ def test_whole_frames_keep_the_gaze_that_they_were_asked_for(gpu, serving_of, mo
     compared(gpu, serving_of("planes"), "imposter", "planes", monkeypatch=monkeypatch, trace=looking_around)
 
 
+@pytest.mark.parametrize("codec", ["h264", "hevc"])
+def test_coded_frames_are_their_replay_bit_for_bit(gpu, serving_of, monkeypatch, codec):
+    network = {"codec": codec, "depth_code": "exact"}
+    told, _ = compared(gpu, serving_of("planes"), "", "planes", network, monkeypatch=monkeypatch, warp="iterative")
+    assert told["codec"] == codec
+
+
 @pytest.mark.parametrize("fill", ["none", "memory+pyramid"])  # read on its grid, and expanded first
 def test_foveated_frames_are_their_replay_bit_for_bit(gpu, serving_of, monkeypatch, looking_around, fill):
     warp = "rotation" if fill == "none" else "iterative"

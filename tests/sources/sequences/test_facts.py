@@ -67,13 +67,6 @@ def test_numbers_of_a_data_set_are_for_its_own_size(form, size, edits, camera, s
         assert (left, right) == pytest.approx((-1, 1)) and -down == pytest.approx(up)
 
 
-def test_an_option_is_the_users(tmp_path):
-    made(tmp_path, "npz")
-    stated = SequenceOptions(intrinsics=parse_intrinsics("40,42,17.3,11.1"), depth_scale=1.0, frames_rate_hz=10)
-    found = sequences.open(tmp_path, stated)
-    assert {fact(found, what)[1] for what in ("intrinsics", "depth scale", "frame clock")} == {By.USER}
-
-
 K = np.array([[FX, 0, CX], [0, FY, CY], [0, 0, 1]])
 
 
@@ -200,19 +193,6 @@ def test_the_zeros_say_how_poses_are_written(form, tmp_path):
     assert ("columns" in form) == ("by columns" in fact(found, "camera pose")[0])
 
 
-def test_a_trajectory_by_columns_is_read(tmp_path):
-    def change(text: str) -> str:
-        lines = text.splitlines()
-        for at in range(0, len(lines), 5):
-            matrix = np.array([line.split() for line in lines[at + 1 : at + 5]])
-            lines[at + 1 : at + 5] = [" ".join(row) for row in matrix.T]
-        return "\n".join(lines)
-
-    found = sequences.open(edited(tmp_path, "redwood", {"trajectory.log": change}, 3))
-    for one, expected in zip(found.frames, taken(3), strict=True):
-        assert one.pose.isclose(expected.pose, 1e-9)
-
-
 def test_what_a_file_says_of_its_poses_is_told(folder):
     value, by = fact(sequences.open(made(folder, "open3d_scaled")), "camera pose")
     assert by is By.FILE and value.endswith("by columns, their scale of 2.5 divided out")
@@ -308,12 +288,6 @@ def test_colour_goes_with_the_depth_of_its_number_or_is_refused(seed, folder):
     (folder / f"depth/{of_depth.format(there)}.png").unlink()
     with pytest.raises(InputError, match=f"7 pictures in rgb, 7 in depth, without depth .*{there}"):
         sequences.open(folder, TRACED)
-
-
-def test_pictures_of_a_video_are_read_in_any_order(folder):
-    frames = sequences.open(made(folder, "stray_scanner", 40)).frames
-    for at in (3, 0, 39, 38, 37, 2, 2, 1, 20, 39):
-        assert np.array_equal(frames[at].colour, taken(40)[at].colour)
 
 
 # --- clocks ---

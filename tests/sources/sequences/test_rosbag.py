@@ -13,7 +13,7 @@ from ros_bags import BEGINS_NS, HAS_ROSBAGS, Logged, Messages, logged, write_bag
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.assumptions import By
 from hmdwarp.sources import sequences
-from hmdwarp.sources.sequences import SequenceOptions, parse_intrinsics
+from hmdwarp.sources.sequences import SequenceOptions
 
 from .folders import fact, refused
 
@@ -109,13 +109,6 @@ def test_a_lens_that_distorts_is_refused_unless_its_picture_is_rectified(tmp_pat
     assert len(sequences.open(changed(tmp_path / "rect", rectified)).frames) == 3
 
 
-def test_without_camera_info_the_user_states_intrinsics(tmp_path):
-    changed(tmp_path, without("/camera/color/camera_info"))
-    refused(tmp_path, "--intrinsics")
-    options = SequenceOptions(intrinsics=parse_intrinsics("40,42,17.3,11.1"))
-    assert fact(sequences.open(tmp_path, options), "intrinsics")[1] is By.USER
-
-
 def test_odometry_without_transforms_is_taken_at_the_camera_and_nobody_says_so(tmp_path):
     """It looks along x, as REP 103 has a body."""
     found = sequences.open(changed(tmp_path, without("/tf_static"), "odometry"))
@@ -137,16 +130,6 @@ def test_clocks_that_are_apart_are_told_with_how_far(topic, tmp_path):
 
     changed(tmp_path, ahead, "odometry" if topic == "/odom" else "tf")
     refused(tmp_path, "the clocks are 3599.9", f"{COLOUR}: 17000", f"{topic}", "expected one clock")
-
-
-def test_frames_beyond_the_motion_are_left_out(tmp_path):
-    def shorter(_: Messages, row: Logged) -> Iterator[Logged]:
-        if row[0] != "/tf" or row[2] < BEGINS_NS + taken(3)[2].time_ns:
-            yield row
-
-    sequence = sequences.open(changed(tmp_path, shorter))
-    assert len(sequence.frames) == 2
-    assert sequence.notes == ("1 frames were left out: no depth within 20 ms, or no pose at their instants.",)
 
 
 @pytest.mark.parametrize(("lacks", "holds"), [(COLOUR, DEPTH), (DEPTH, COLOUR), ("/tf", COLOUR)])

@@ -108,24 +108,6 @@ def test_the_server_draws_them_as_any_other_picture(serve):
     assert server.pool(SIZE).made == 2 * 3 + 1, "two eyes of three pictures, and the one to compare with"
 
 
-def empty_shares(warp: str) -> list[float]:
-    """What the warp leaves empty of the pictures of a walk, once the server knows the motion."""
-    found: list[float] = []
-
-    def look(setup, number, refresh) -> None:
-        if number >= 6:
-            found.extend(float((download(eye.warped.texture)[..., 3] == 0).mean()) for eye in refresh.eyes)
-
-    options = {"trace": "walk", "scene": "room", "headset": "rift-dk1", "size": (120, 150), "latency_ms": 400.0}
-    each_refresh(small(warp=warp, **options, start_s=5.0, seconds=0.5, rate_hz=20.0, guard=1.5), look)
-    return found
-
-
-def test_they_leave_less_empty_than_what_comes_anyway():
-    anyway, with_views = (np.mean(empty_shares(warp)) for warp in ("multi", "multi:views=2,frames=1,eye=own"))
-    assert with_views < 0.5 * anyway, (with_views, anyway)
-
-
 def test_an_eye_that_turns_away_falls_back_on_an_older_frame():
     found: list[int] = []
     options = {"warp": "multi:views=2,frames=1,eye=own,spacing=50", "latency_ms": 50.0, "size": (32, 24)}
