@@ -75,11 +75,28 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.fixture(scope="module", autouse=True)
-def what_modules_leave_is_frozen():
-    """Freeze also what the tests of a module have imported and keep, where that is much."""
+def what_modules_leave_is_frozen_or_freed():
+    """Freeze what a module's tests have imported and keep; free textures that none of them has."""
     yield
     if len(gc.get_objects(generation=2)) > FREEZE_AT:
         _freeze()
+    if (shared := _current_gpu()) is not None:
+        gc.collect()
+        shared.forget_released()
+        shared.give_back_memory()
+
+
+@pytest.fixture(autouse=True)
+def what_a_test_drew_with_is_closed():
+    """Close the scenes of clients that a test made, and free what it dropped on the GPU."""
+    made = sys.modules.get("client_scene")
+    before = len(made.ClientScene.open_ones) if made else 0
+    yield
+    if made := sys.modules.get("client_scene"):
+        for one in made.ClientScene.open_ones[before:]:
+            one.close()
+    if (shared := _current_gpu()) is not None:
+        shared.forget_released()
 
 
 def _freeze() -> None:
