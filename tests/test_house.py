@@ -424,22 +424,6 @@ def test_study_stands_apart():
     assert users == {"cli"}
 
 
-def test_tests_take_names_from_the_packages_that_export_them():
-    """What a package exports is what its users import; a test of it imports it in the same way."""
-    wrong = set()
-    for path in sorted((ROOT / "tests").rglob("*.py")):
-        for node in ast.walk(tree_of(path)):
-            if not (isinstance(node, ast.ImportFrom) and (node.module or "").startswith("hmdwarp.")):
-                continue
-            module = ROOT.joinpath(*node.module.split("."))
-            if module.is_dir():
-                continue
-            package, stem = module.parent, module.name
-            exported = exported_by(package) if package != PACKAGE else {}
-            wrong |= {f"{path.name}: {node.module}.{a.name}" for a in node.names if exported.get(a.name) == stem}
-    assert not wrong, f"import these from the package: {sorted(wrong)}"
-
-
 def test_no_files_import_each_other_in_a_circle():
     """Two files that need each other are one idea.
 
@@ -472,24 +456,6 @@ def test_every_module_says_what_it_is_for():
     written = [path for path in modules() if path.read_text(encoding="utf-8").strip()]
     silent = [name_of(path) for path in written if not ast.get_docstring(tree_of(path))]
     assert not silent, f"these have no docstring: {silent}"
-
-
-SHADERS = sorted(p for p in (ROOT / "shaders").rglob("*") if p.suffix in (".comp", ".vert", ".frag", ".glsl"))
-
-
-def header_of(path: Path) -> str:
-    lines = path.read_text(encoding="utf-8").split("\n\n")[0].splitlines()
-    return "\n".join(line for line in lines if line.startswith("//"))
-
-
-def test_every_shader_says_what_it_computes():
-    """At the top a comment of two lines or more, and for a whole stage what goes in and what comes
-    out.
-    """
-    short = [path.name for path in SHADERS if header_of(path).count("\n") < 1]
-    whole = [path for path in SHADERS if path.suffix != ".glsl"]
-    silent = [path.name for path in whole if not {"In:", "Out:"} <= set(re.findall(r"\w+:", header_of(path)))]
-    assert SHADERS and not short and not silent
 
 
 # --- what must not be in any file ---------------------------------------------------------------

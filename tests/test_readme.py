@@ -14,7 +14,6 @@ import shlex
 import socket
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 from urllib.request import HTTPCookieProcessor, build_opener
 
@@ -24,10 +23,6 @@ from commands import hmdwarp
 from display.virtual_screen import VirtualScreen
 from serving import Serving
 from study.session.conftest import hurry
-from typer.main import get_command
-
-from hmdwarp.cli._app import app
-from hmdwarp.run import RunOptions
 
 ROOT = Path(__file__).resolve().parents[1]
 TOP = (ROOT / "README.md", ROOT / "CONTRIBUTING.md")
@@ -155,30 +150,6 @@ def _untracked(names: list[str]) -> list[str]:
     return [name for name in names if name not in ignored.stdout.splitlines()]
 
 
-FORMATS = {  # page: files of that format that are part of the package
-    "response-models.md": "study/respondents/*.toml",
-    "scales.md": "study/scales/*.toml",
-    "headsets.md": "headsets/*.toml",
-}
-
-
-def keys_of(table: dict[str, object]) -> set[str]:
-    """Return every key of a file, but for the names and answers that its author chooses."""
-    found = set(table)
-    for key, value in table.items():
-        inner = list(value.values()) if key == "rating" else value if isinstance(value, list) else [value]
-        for part in inner:
-            found |= keys_of(part) if isinstance(part, dict) and key not in ("means", "anchors") else set()
-    return found
-
-
-@pytest.mark.parametrize("page", FORMATS)
-def test_a_page_of_a_format_names_every_key(page):
-    files = sorted((ROOT / "hmdwarp").glob(FORMATS[page]))
-    keys = set().union(*(keys_of(tomllib.loads(file.read_text(encoding="utf-8"))) for file in files))
-    assert files and {key for key in keys if not re.search(rf"[`.\[]{key}[`.\]]", PAGES[page])} == set()
-
-
 @pytest.mark.parametrize("command", [line for line in LIVE if line.startswith("hmdwarp serve")])
 def test_the_served_pages_can_be_opened(command):
     """At ports that are free here."""
@@ -209,31 +180,6 @@ def test_the_tables_of_the_front_page_are_those_of_the_results(monkeypatch):
         re.search(r"<!-- results -->\n(.*?)<!-- end -->", PAGES["README.md"], re.DOTALL)[1]
         == regenerate.front_page() + "\n"
     )
-
-
-def test_commands_of_the_tables_of_replays_are_read_and_make_the_rows_that_stand_there(monkeypatch, tmp_path):
-    monkeypatch.syspath_prepend(str(ROOT / "docs"))
-    regenerate = importlib.import_module("regenerate")
-    replay = get_command(app).get_command(None, "replay")
-
-    def read(command, out, result):
-        params = replay.make_context("replay", shlex.split(command)[1:]).params
-        RunOptions.of({name: value for name, value in params.items() if value != ()})
-
-    written = {}
-    monkeypatch.setattr(regenerate, "hmdwarp", read)
-    monkeypatch.setattr(regenerate, "figure", lambda column, summary: "0")
-    monkeypatch.setattr(regenerate, "replace", written.__setitem__)
-    for name, table in regenerate.REPLAYS.items():
-        regenerate.replays(name, tmp_path)
-        lines, there = map(cells_of, (written[name], regenerate.text_of(name)))
-        labels = len(table["axes"])
-        assert lines[:2] == there[:2]
-        assert [line[:labels] for line in lines] == [line[:labels] for line in there]
-
-
-def cells_of(table):
-    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()]
 
 
 @pytest.mark.slow(30)

@@ -107,21 +107,6 @@ def test_any_number_of_pictures_equals_the_twin(gpu, spec):
     assert_equals_twin(got, wanted)
 
 
-@pytest.mark.parametrize("warp", ["multi", "layered"])
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, -1e-30, 3e38])
-def test_no_depth_of_any_kind_neither_spreads_nor_shows(gpu, warp, bad):
-    """In the newest picture, in the others and behind the visible layer."""
-    world, pictures = World(gpu, 4, (64, 48)), []
-    world.bring(gpu, parse_warp(warp).entry)
-    for no_depth in (-1, bad):
-        for depth in (world.inverse_depth, *(one.inverse_depth for one in (*world.others, *world.layers))):
-            depth[::5, ::3] = no_depth
-        world.upload(gpu)
-        pictures.append(world.warp(gpu, warp))
-    assert np.isfinite(pictures[1]).all()
-    assert np.array_equal(*pictures)
-
-
 # --- layered: real content behind edges, no cracks, no guesses ------------------------------------
 
 

@@ -25,7 +25,6 @@ from hmdwarp.client import (
     Plan,
     ShownDepth,
     build_plan,
-    needs_of,
     parse_fills,
     pictures_read,
 )
@@ -33,7 +32,7 @@ from hmdwarp.client.effects import effects
 from hmdwarp.client.fills import fills
 from hmdwarp.client.lens import lenses
 from hmdwarp.client.warps import Output, warps
-from hmdwarp.errors import InputError, PlanError
+from hmdwarp.errors import PlanError
 from hmdwarp.frames.layers import readable_names
 from hmdwarp.frames.layers.scene_parts import Simplified
 from hmdwarp.geometry import Fov, Pose, View
@@ -125,13 +124,6 @@ def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
 
 
 # --- what is refused ----------------------------------------------------------------------------
-
-
-def test_one_run_keeps_older_frames_one_way():
-    plans = [plan_of(f"multi:spacing={ms}", "none", "none", True) for ms in (300, 50)]
-    assert needs_of([plans[0], plans[0], plan_of("forward", "none", "none", True)]) == plans[0].needs
-    with pytest.raises(InputError, match="50 ms and 300 ms apart"):
-        needs_of(plans)
 
 
 def test_only_passes_that_draw_without_geometry_are_impossible():

@@ -11,14 +11,11 @@ from lit_rooms import GREY, Fixed, box, cube, scene_of, wall
 
 from hmdwarp.cloudlight.photons import (
     CUBE_BYTES,
-    LEAST_BUDGET,
     BundleRoom,
     BundleSender,
     Cube,
-    PhotonMap,
     PhotonTracer,
     TracedPhotons,
-    bundle_bytes,
     kernel,
     kernel_factors,
     light_keys,
@@ -70,16 +67,6 @@ def test_sent_bundles_are_read_back():
     assert np.abs(steps / 65535 - places).max() <= 0.5001 / 65535
     assert np.array_equal(np.stack([words[:, 1] >> 16 & 255, words[:, 1] >> 24], axis=1), normals)
     assert np.array_equal(light_of(words[:, 2]), light_of(shared_exponent(powers)))
-
-
-@pytest.mark.parametrize("budget", [LEAST_BUDGET, 1000, 3000, 60_000, 10**7])
-def test_any_bundle_fits_a_frame(budget):
-    """So none takes longer than a frame; and as few as can be: twice as many would not fit."""
-    wanted = PhotonMap(budget)
-    assert CUBE_BYTES + bundle_bytes(wanted.paths_of_bundle) <= budget
-    assert wanted.paths_of_bundle == 256 or CUBE_BYTES + bundle_bytes(2 * wanted.paths_of_bundle) > budget
-    assert wanted.bundles(opened=False) * wanted.paths_of_bundle == wanted.paths
-    assert PhotonMap(budget, paths=1).bundles(opened=False) == 1
 
 
 class Network:

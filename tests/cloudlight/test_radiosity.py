@@ -9,7 +9,7 @@ from lit_rooms import GREY, box, cube, in_atlas, placed, scene_of, wall
 
 from hmdwarp.cloudlight.radiosity import RAYS, direct_light, transport_of
 from hmdwarp.errors import SceneError
-from hmdwarp.scenes import Background, Lamp, Pendulum, Scene, lamps_at, scenes
+from hmdwarp.scenes import Lamp, Pendulum, Scene, lamps_at, scenes
 
 
 def test_a_furnace_glows_everywhere_alike(tmp_path):
@@ -66,15 +66,6 @@ def test_no_light_comes_through_a_wall(tmp_path, place):
     assert np.isfinite(light).all()
     if abs(np.array(place)).max() > 1:
         assert (light == 0).all()
-
-
-def test_no_lamps_no_light_but_the_sky(tmp_path):
-    """Under an even sky an open patch gets all of it, an empty scene nothing."""
-    floor = wall((0, 0, 0), (1, 0, 0), (0, 0, -1), GREY)
-    transport = transport_of(scene_of([floor], 1.0, background=Background.uniform((0.5, 0.4, 0.3))), tmp_path)
-    assert np.allclose(transport.indirect(transport.direct([])), (0.5, 0.4, 0.3))
-    empty = transport_of(scene_of([], 1.0), tmp_path)
-    assert (empty.atlas(empty.indirect(empty.direct([])))[..., :3] == 0).all()
 
 
 def test_form_factors_are_kept(tmp_path):

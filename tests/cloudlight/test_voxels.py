@@ -66,14 +66,6 @@ def lit(gpu, scene, view=VIEW, text="voxels:size=32", time_ns=0, size=SIZE, need
     return found
 
 
-def test_a_white_surface_in_the_open_shines_as_the_sky(gpu):
-    """No cone meets anything, all have the same sky, and their shares sum to 1: halves round."""
-    floor = wall((0, 0, -2), (3, 0, 0), (0, 0, -3), WHITE)
-    view = View(Pose((0, 1.5, 0), (-0.5, 0, 0, 0.8)), Fov(-0.3, 0.3, -0.3, 0.3))
-    got, _ = lit(gpu, scene_of(floor, sky=Background.uniform((0.5, 0.25, 2.0))), view)
-    assert np.allclose(got, (0.5, 0.25, 2.0), rtol=4 * HALF)
-
-
 @pytest.mark.parametrize("cones", [4, 6, 16])
 def test_a_furnace_glows_everywhere_alike(gpu, cones):
     """White surfaces under a white sky: whatever a cone meets shines 1, whatever it misses is 1.
@@ -238,8 +230,3 @@ def test_a_slanted_square_covers_each_cell_as_a_fine_raster_of_it_does():
     whole = 4 * np.linalg.norm(np.cross(right, up)) / grid.cell_m**2
     assert np.abs(areas - counted / 2000**2 * whole).max() < 0.03 * whole / 200 * 2
     assert pieces.areas.sum() == pytest.approx(whole)
-
-
-def test_a_scene_where_nothing_is_lit_has_no_pieces():
-    grid = VoxelGrid.around(load_scene("planes"), 8)
-    assert len(voxel_surfaces(load_scene("planes"), grid)) == 0 and np.isfinite(grid.low).all()

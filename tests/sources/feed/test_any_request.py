@@ -106,21 +106,6 @@ def test_a_request_that_no_server_should_draw_is_refused_and_others_notice_nothi
     assert asked(other, foreign.request(2))[:2] == ("frame", 2)
 
 
-LARGEST = [((4, 2), 1479), ((4, 3), 1207), ((3, 3), 1707), ((5, 3), 1707), ((6, 2), 1707)]  # of colour and depth
-
-
-@pytest.mark.parametrize(("formats", "side"), LARGEST)
-def test_the_largest_videos_take_a_bounded_time(serving, clients, formats, side):
-    """CRF 0 takes longest. Thrice what docs/feed.md says, for a machine with other work."""
-    largest = {"eyes": (foreign.eye(),) * 2, "formats": formats, "quality": 1}
-    asked(clients[0], foreign.request(1, size=(64, 64), **largest))
-    worked = cpu_s(serving.process.pid)
-    assert asked(clients[0], foreign.request(2, size=(side, side), **largest))[:2] == ("frame", 2)
-    took_s = cpu_s(serving.process.pid) - worked
-    assert took_s < 3 * MOST_CPU_S, took_s
-    assert asked(clients[0], foreign.request(3, size=(side + 2, side), **largest))[0] == "refusal"
-
-
 @pytest.fixture
 def here():
     """A server of this process, a client of it, and what was said."""

@@ -59,15 +59,6 @@ def test_a_silhouette_mixes_colours_by_coverage_and_has_the_depth_of_one_surface
     assert np.array_equal(depth, pixels(alone.draw(VIEW, SIZE).inverse_depth))
 
 
-def test_light_keeps_its_value_along_the_edges_inside_a_surface(serve):
-    """Where two of its triangles share a pixel, seen askew: a driver's centroid must not tell. The
-    light is 1 everywhere: what is interpolated rounds in float32, the colour in 16 bits."""
-    floor = [(-9.0, -0.2, 0.5), (9.0, -0.2, 0.5), (9.0, -0.2, -30.0), (-9.0, -0.2, -30.0)]
-    scene = Scene("floor", "", (sheet("floor", floor, np.ones(3)),), background=Background.uniform((1,) * 3))
-    server = serve(scene, samples=4)
-    assert np.abs(pixels(server.draw(VIEW, SIZE).colour) - 1).max() <= HALF
-
-
 def test_a_body_has_its_number_at_each_pixel_that_has_its_depth(serve):
     scene, needs = load_scene("workshop"), Needs(ids=True)
     view, found = View(Pose((0, 1.6, 0)), Fov.symmetric(0.8, 0.85)), []
