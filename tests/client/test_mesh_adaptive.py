@@ -68,19 +68,6 @@ def test_places_are_those_of_the_full_mesh_within_the_tolerance(gpu, pose, toler
     assert coarse.cells < fine.cells / 4
 
 
-@pytest.mark.parametrize("block", [1, 2, 4, 8, 16])
-def test_a_plane_is_as_few_cells_as_the_block_allows(gpu, block):
-    """129 x 113 cells. Those along the border stay single, the 128 x 112 - 1 between them are
-    blocks, but for ragged ends."""
-    depth = np.broadcast_to(np.linspace(0.2, 0.4, 130)[None, :], (114, 130))
-    drawn = Drawn(gpu, f"mesh_adaptive:block={block}", depth, Pose((1e-3, 0, 0)))
-    most = {1: 131 * 115, 2: 129 * 113, 4: 33 * 29, 8: 33 * 29, 16: 33 * 29}[block]
-    border = 2 * (131 + 115)
-    assert drawn.cells <= most + border
-    if block == 16:
-        assert drawn.cells <= 8 * 7 + 33 + 29 + border + 64
-
-
 @pytest.mark.parametrize("scale", [0.9, 1.0, 1.1, 1.5])
 @pytest.mark.parametrize("seed", range(3))
 def test_no_cracks_where_cells_of_many_sizes_meet(gpu, scale, seed):

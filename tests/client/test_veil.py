@@ -13,7 +13,6 @@ from worlds import World, read
 from hmdwarp.client import ShownPicture
 from hmdwarp.client.effects import Tools
 from hmdwarp.client.effects.compositing import NEARER, OverlayPass, TransparencyPass
-from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage, Needs, Surface, Transparent
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
@@ -155,8 +154,3 @@ def test_a_real_scene_taken_apart_and_put_together_is_the_same(gpu, scene, needs
     # pixels or two, either may be in front.
     assert (error <= 12 * HALF_UNIT).mean() > 0.985
     assert np.median(error) <= HALF_UNIT
-
-
-def test_too_large_a_picture_is_refused_as_by_the_warp(gpu):
-    with pytest.raises(InputError, match="rendered picture of"):
-        TransparencyPass(gpu, frozenset({"transparency"}), (16384, 16384), (8, 8), TOOLS)
