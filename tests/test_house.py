@@ -127,37 +127,8 @@ def unit_of(path: Path) -> str:
     return "" if parts == ("__init__",) else parts[0]
 
 
-def units_in(source: str | list[ast.AST], package: tuple[str, ...]) -> set[str]:
-    """The parts of hmdwarp that `source`, lying in `package` (e.g. ("hmdwarp", "gpu")), imports
-    anywhere, functions included.
-
-    "" is the top package itself, unless what is taken from it is a part of the house. What only
-    annotations need (imported under TYPE_CHECKING) is not counted: it is never loaded.
-    """
-    nodes = list(ast.walk(ast.parse(source))) if isinstance(source, str) else source
-    blocks = [node for node in nodes if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"]
-    unloaded = {id(node) for block in blocks for statement in block.body for node in ast.walk(statement)}
-    found: set[str] = set()
-    for node in nodes:
-        if id(node) in unloaded:
-            continue
-        if isinstance(node, ast.Import):
-            dotted = [alias.name.split(".") for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            base = list(package[: len(package) - node.level + 1]) if node.level else []
-            base += node.module.split(".") if node.module else []
-            dotted = [base] if len(base) > 1 else [[*base, alias.name] for alias in node.names]
-        else:
-            continue
-        for parts in dotted:
-            if parts[0] == "hmdwarp":
-                known = len(parts) > 1 and ((PACKAGE / parts[1]).is_dir() or (PACKAGE / f"{parts[1]}.py").is_file())
-                found.add(parts[1] if known else "")
-    return found
-
-
 def imports_of(path: Path) -> set[str]:
-    return units_in(nodes_of(path), ("hmdwarp", *path.relative_to(PACKAGE).parent.parts)) - {unit_of(path)}
+    return {unit_of(other) for other in files_imported(path)} - {unit_of(path)}
 
 
 def floor_of(unit: str) -> int | None:
@@ -335,6 +306,8 @@ def files_imported(path: Path) -> set[Path]:
     """The files of the package that `path` takes names from, annotations included."""
     package, found = ("hmdwarp", *path.relative_to(PACKAGE).parent.parts), set()
     for node in nodes_of(path):
+        absolute = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+        assert not any(name.partition(".")[0] == "hmdwarp" for name in absolute), f"{path}: from . import what it needs"
         if not isinstance(node, ast.ImportFrom) or not node.level:
             continue
         base = PACKAGE.parent.joinpath(*package[: len(package) - node.level + 1], *(node.module or "").split("."))

@@ -323,20 +323,11 @@ def obj_with_picture(folder: Path, name: str) -> Path:
     return obj_naming(folder, "own.mtl")
 
 
-def ply_with_picture(folder: Path, name: str) -> Path:
-    head = f"ply\nformat ascii 1.0\ncomment TextureFile {name}\nelement vertex 3\n"
-    head += "".join(f"property float {axis}\n" for axis in "xyz")
-    head += "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
-    (folder / "scene.ply").write_text(f"{head}0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
-    return folder / "scene.ply"
-
-
 SCENES = {
     "buffer": (gltf_naming, "beside.bin"),
     "picture": (gltf_with_picture, "beside.png"),
     "materials": (obj_naming, "beside.mtl"),
     "picture of materials": (obj_with_picture, "beside.png"),
-    "picture of a ply": (ply_with_picture, "beside.png"),
 }
 
 

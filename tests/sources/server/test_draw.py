@@ -9,7 +9,6 @@ import pytest
 from mirrored import shapes_of
 from reference._rays import world_directions
 from reference.raycast import Hits, cast_quads
-from scipy import ndimage
 from scipy.spatial.transform import Rotation
 from worlds import pixels
 
@@ -92,46 +91,6 @@ def test_inverse_depth_of_planes_is_that_of_rays(planes, seed):
     assert safe.mean() > 0.5
     assert (np.abs(drawn - exact) <= depth_tolerance(exact))[safe].all()
     assert (drawn[safe & (shape < 0)] == 0).all()
-
-
-def bilinear(image: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """A repeating linear-light picture (h, w, 3), top row first, at uv, as GL filters it."""
-    height, width = image.shape[:2]
-    x, y = u * width - 0.5, (1 - v) * height - 0.5
-    x0, y0 = np.floor(x).astype(int), np.floor(y).astype(int)
-    fx, fy = (x - x0)[..., None], (y - y0)[..., None]
-    at = [[image[(y0 + dy) % height, (x0 + dx) % width] for dx in (0, 1)] for dy in (0, 1)]
-    return (at[0][0] * (1 - fx) + at[0][1] * fx) * (1 - fy) + (at[1][0] * (1 - fx) + at[1][1] * fx) * fy
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_colour_of_a_magnified_plane_is_its_texture_in_linear_light(planes, seed):
-    rng, quad, size = np.random.default_rng(seed), QUADS[0], (83, 71)
-    turn = Rotation.from_euler("YX", rng.uniform((24, -9), (28, -5)), degrees=True)
-    view = View(Pose((0.0, 1.6, 0.0), turn.as_quat()), Fov(-0.03, 0.04, -0.035, 0.03))
-    hits = cast_planes(view, size)
-    assert (hits.shape == 0).all()
-    values = planes.scene.textures[quad.texture].image / 255.0
-    linear = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
-    u, v = ((hits.uv + 1) / 2).reshape(*size[::-1], 2).transpose(2, 0, 1)
-    expected = bilinear(linear, u, v) * quad.light
-    eye_image = planes.draw(view, size)
-    drawn = pixels(eye_image.colour)
-    planes.pool(size).release(eye_image.colour)
-    # GL promises 8 bits of weight in each axis between texels; the uv may be off by SNAP_PX of a
-    # pixel, here under a texel; half floats keep 11 bits; 3e-3 is the room GL leaves for decoding
-    # sRGB (0.5/255 in the encoded value, slope of the curve at most 2.4). Weights and places act on
-    # the contrast of the texels around.
-    contrast = ndimage.maximum_filter(linear, (3, 3, 1), mode="wrap") - ndimage.minimum_filter(
-        linear, (3, 3, 1), mode="wrap"
-    )
-    high, wide = linear.shape[:2]
-    swing = contrast[np.floor((1 - v) * high).astype(int) % high, np.floor(u * wide).astype(int) % wide] * quad.light
-    assert (
-        np.abs(drawn[..., :3] - expected)
-        <= swing * (2 / 256 + 2 * SNAP_PX) + expected * 2**-10 + 3e-3 * (expected + 0.1)
-    ).all()
-    assert (drawn[..., 3] == 1).all()
 
 
 def test_the_guarded_picture_contains_the_unguarded_one(planes):

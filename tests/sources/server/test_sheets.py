@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 from worlds import read
 
 from hmdwarp.frames import Needs
-from hmdwarp.geometry import Fov, Pose, RigidState, View
+from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, allocate
 from hmdwarp.headsets import load_headset
-from hmdwarp.scenes import Body, Material, Mesh, Quad, Scene, Texture, load_scene
+from hmdwarp.scenes import Material, Mesh, Quad, Scene, Texture, load_scene
 
 SIZE = (96, 70)
 FOV = Fov(-0.7, 0.6, -0.55, 0.6)
@@ -142,42 +142,6 @@ def test_a_fence_of_alpha_is_a_surface_with_holes(gpu, serve):
     server = serve(scene)
     depth = server.draw_depth(view, SIZE, allocate(gpu.gl, SIZE, SCALAR))
     assert np.array_equal(read(depth)[..., 0], whole["inverse_depth"])  # the client's own knows it too
-
-
-class Standing:
-    """A motion that stays where it is."""
-
-    def __init__(self, pose: Pose) -> None:
-        self._pose = pose
-
-    def state(self, time_ns: int) -> RigidState:
-        return RigidState(self._pose)
-
-
-class Bent:
-    def __init__(self, mesh: Mesh, step: tuple[float, float, float]) -> None:
-        self._rest, self._step = mesh.positions, np.array(step)
-
-    def positions(self, time_ns: int) -> np.ndarray:
-        return self._rest + self._step * (time_ns * 1e-9)
-
-    def velocities(self, time_ns: int) -> np.ndarray:
-        return np.broadcast_to(self._step, self._rest.shape)
-
-
-def test_panes_of_bodies_and_panes_that_deform_are_drawn_where_they_are(serve):
-    view, quad = View(Pose((0, 1.6, 0)), FOV), Quad((0, 1.6, -1), (0.3, 0, 0), (0, 0.3, 0), -1, (0.2, 0.9, 0.4))
-    still = pane("pane", attrs.evolve(quad, centre=(0.25, 1.6, -1)), opacity=0.5)
-    moved = pane("pane", quad, opacity=0.5)
-    bodies = (Body("b", Standing(Pose((0.25, 0, 0)))),)
-    on_body = attrs.evolve(with_meshes(), bodies=bodies, meshes=(*with_meshes().meshes, attrs.evolve(moved, body=1)))
-    bent = with_meshes(attrs.evolve(moved, deformation=Bent(moved, (0.25, 0, 0))))
-    expected = picture(serve, with_meshes(still), view)["colour"]
-    for scene in (on_body, bent):
-        server = serve(scene)
-        image = server.draw(view, SIZE, time_ns=1_000_000_000)
-        differs = np.abs(read(image.colour) - expected).max(axis=-1) > 4 * HALF_UNIT
-        assert differs.mean() < 0.02  # a last bit of the place decides at its edges
 
 
 def test_head_locked_content_does_not_depend_on_the_head(serve):
