@@ -25,12 +25,6 @@ class Closable(OffscreenDisplay):
             self._events[self._number + 3] = Closed("the window was closed")
 
 
-@pytest.fixture(scope="module")
-def serving():
-    with Serving() as one:
-        yield one
-
-
 def options(address: str, **more) -> LiveOptions:
     said = {
         "source": "offscreen",
@@ -43,7 +37,7 @@ def options(address: str, **more) -> LiveOptions:
     return LiveOptions.of({**said, "panel": False, **more})
 
 
-def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(serving, monkeypatch, tmp_path):
+def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(serving_of, monkeypatch, tmp_path):
     """What is the server's is not changed, and what is the client's is; its scene is here too."""
     changes = {
         3: [Command("latency")],
@@ -52,7 +46,7 @@ def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(servin
         6: [Command("warp", "none")],
     }
     display = OffscreenDisplay(asked=changes, keeps=True)
-    asked = options(serving.address, pictures=12, latency=900.0, out=tmp_path / "out")
+    asked = options(serving_of("planes"), pictures=12, latency=900.0, out=tmp_path / "out")
     summary = run_on(monkeypatch, display, asked).summary
     assert summary["scene"] == "server"  # whose address stands in link.feed
     assert summary["latency_ms"] not in (0, 900) and "input" not in summary
@@ -66,7 +60,7 @@ def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(servin
     for told in ("the server's scene", "latency and scene are the server's", "does not react to what people do"):
         assert sum(told in line for line in display.said) == 1, told
     display = OffscreenDisplay(keeps=True)
-    named = options(serving.address, pictures=6, scene="planes", warp="model")
+    named = options(serving_of("planes"), pictures=6, scene="planes", warp="model")
     summary = run_on(monkeypatch, display, named).summary
     assert any("scene 'planes' on both ends" in line for line in display.said)
     assert summary["scene"] == "planes" and summary["link"]["feed"]["malformed"] == 0

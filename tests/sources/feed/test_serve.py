@@ -34,19 +34,6 @@ from .test_strategies import patient
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 
 
-@pytest.fixture(scope="module")
-def serving():
-    with Serving() as one:
-        yield one
-
-
-@pytest.fixture(scope="module")
-def parade():
-    """A scene with things that deform."""
-    with Serving("--scene", "parade") as one:
-        yield one
-
-
 def small(out, **options):
     """Options of a run of few refreshes, long enough to show a frame that came a second late."""
     return replays.small(out, **{"rate_hz": 10.0, "seconds": 1.0, **options})
@@ -82,11 +69,11 @@ def test_what_a_server_says_that_drawing_took_is_a_part_of_the_measured_delay(tm
     assert all(one["drawn"] + sum(one["parts"].values()) <= one["shown"] + 1e-6 for one in shown)
 
 
-def test_the_truth_that_the_server_draws_is_the_one_drawn_here(parade):
+def test_the_truth_that_the_server_draws_is_the_one_drawn_here(serving_of):
     """Of the instant, in a scene that moves."""
     headset, scene, size = load_headset("flat-90"), load_scene("parade"), (96, 80)
     view = headset.views(scene.viewpoint)[0]
-    with Gpu() as gpu, closing(RemoteRenderer(gpu, scene, FeedOptions(connect=parade.address))) as there:
+    with Gpu() as gpu, closing(RemoteRenderer(gpu, scene, FeedOptions(connect=serving_of("parade")))) as there:
         seen = set()
         with closing(Server(gpu, scene)) as here:
             for time_ns in (0, 700_000_000):
@@ -122,12 +109,12 @@ def test_a_wrong_token_is_refused_and_the_right_one_let_in(tmp_path, monkeypatch
         assert shown
 
 
-def test_half_of_the_bytes_are_the_same_picture_in_srgb_and_depth_within_half_a_step(serving, gpu):
+def test_half_of_the_bytes_are_the_same_picture_in_srgb_and_depth_within_half_a_step(serving_of, gpu):
     """Over the feed, and as the GPU takes it over."""
     view, size = attrs.evolve(ASK.views[0], pose=Pose((0, 1.6, 0))), (161, 143)
     found = {}
     for name, wish in (*RAW.items(), ("as before", Wish(200, 200))):
-        with closing(Viewer(serving.address, wish=wish)) as viewer:
+        with closing(Viewer(serving_of("planes"), wish=wish)) as viewer:
             found[name] = viewer.fetch(view, size, 0)
     full, half, odd = found.values()
     assert (odd.colour, odd.depth) == (full.colour, full.depth)  # whatever is not known is answered as drawn
@@ -150,10 +137,10 @@ def test_half_of_the_bytes_are_the_same_picture_in_srgb_and_depth_within_half_a_
 
 
 @pytest.mark.parametrize("coding", [Coding(), Coding("h264")], ids=["raw", "h264"])
-def test_depth_that_no_pass_reads_does_not_cross(serving, tmp_path, monkeypatch, coding):
+def test_depth_that_no_pass_reads_does_not_cross(serving_of, tmp_path, monkeypatch, coding):
     """A warp that is compared gets it still: it leaves hardly a hole for a head at rest."""
     options = {"warp": "none", "against": "forward", "coding": coding, "trace": "still"}
-    there, summary = pictures(monkeypatch, small(tmp_path, feed=FeedOptions(connect=serving.address), **options))
+    there, summary = pictures(monkeypatch, small(tmp_path, feed=FeedOptions(connect=serving_of("planes")), **options))
     assert [*summary["link"]["layers_mbit_s"]] == ["colour"]
     assert all((eye[..., 3] == 1).all() for _, eyes in there.values() for eye in eyes)
     (against,) = summary["against"]

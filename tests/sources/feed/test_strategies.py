@@ -39,20 +39,6 @@ TRIED = {
 }
 
 
-@pytest.fixture(scope="module")
-def serving_of():
-    """Return the address of a server of a scene; each is started once."""
-    with ExitStack() as stack:
-        found: dict[str, Serving] = {}
-
-        def of(scene: str) -> str:
-            if scene not in found:
-                found[scene] = stack.enter_context(Serving("--scene", scene))
-            return found[scene].address
-
-        yield of
-
-
 @contextmanager
 def ready(gpu, strategy: str, **more):
     """Set a run of a strategy up: no codec, no prediction."""
