@@ -7,6 +7,7 @@ import pytest
 from reference.fused import looked_at
 from reference.lens import radial
 from reference.picture import GPU_SAMPLER_PIXELS, HALF_SMALLEST, HALF_UNIT
+from worlds import read
 
 from hmdwarp.client.lens import lenses
 from hmdwarp.errors import InputError
@@ -35,11 +36,7 @@ def through_the_lens(gpu, shown: np.ndarray, headset: Headset, eye: int, panel_s
     panel.texture.write(np.full((panel_size[1], panel_size[0], 4), 7, np.float16).tobytes(), alignment=1)
     lens.run(canvas, headset.eyes[eye].fov, eye, panel)
     gpu.gl.memory_barrier()
-    out = (
-        np.frombuffer(panel.texture.read(alignment=1), np.float16)
-        .reshape(panel_size[1], panel_size[0], 4)
-        .astype(np.float64)
-    )
+    out = read(panel.texture)
     canvas.release()
     panel.release()
     return out

@@ -7,7 +7,7 @@ import attrs
 import numpy as np
 import pytest
 from reference.motion import MotionAsked, moved_picture
-from worlds import read
+from worlds import pixels, read
 
 from hmdwarp.client import PassInputs
 from hmdwarp.client.effects import Tools
@@ -203,7 +203,7 @@ def test_soft_motion_is_limited_in_reach(gpu):
     knows."""
     image = one_body(gpu, RigidState(Pose()))
     velocity = np.zeros((*SIZE[::-1], 4))
-    velocity[read_ids(image) == 1] = (20.0, 0, 0, 1)
+    velocity[pixels(image["ids"].numbers) == 1] = (20.0, 0, 0, 1)
     soft = image.having(ids=None, velocity=textured(gpu, velocity, COLOUR))
     colour, _ = run(gpu, soft, round(250 * SWING_S) * MS, SOFT)
     left = np.flatnonzero((colour[..., 0] > 0).any(axis=0))[0]
@@ -213,10 +213,6 @@ def test_soft_motion_is_limited_in_reach(gpu):
     for age_s in (SWING_S / 2, 10.0):
         assert made.run(given_at(soft, round(1000 * age_s) * MS)).rendered is soft
     made.close()
-
-
-def read_ids(image: EyeImage) -> np.ndarray:
-    return np.frombuffer(image["ids"].numbers.read(alignment=1), np.uint16).reshape(SIZE[::-1])
 
 
 def checkered(body: int) -> Mesh:

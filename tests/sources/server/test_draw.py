@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from mirrored import shapes_of
 from reference._rays import world_directions
-from reference.raycast import Hits, cast_quads
+from reference.raycast import Hits, away_from_edges, cast_quads
 from scipy.spatial.transform import Rotation
 from worlds import pixels
 
@@ -40,17 +40,6 @@ def random_view(seed: int, wide: float = 1.0) -> View:
         wide * rng.uniform(0.3, 0.7),
     )
     return View(Pose(rng.uniform((-0.3, 1.3, -0.3), (0.3, 1.9, 0.3)), turn.as_quat()), fov)
-
-
-def away_from_edges(shape: np.ndarray) -> np.ndarray:
-    """Pixels whose 3 x 3 neighbours all meet the same shape."""
-    same = np.ones(shape.shape, bool)
-    same[0], same[-1], same[:, 0], same[:, -1] = False, False, False, False
-    inner = shape[1:-1, 1:-1]
-    for dy in (0, 1, 2):
-        for dx in (0, 1, 2):
-            same[1:-1, 1:-1] &= shape[dy : dy + inner.shape[0], dx : dx + inner.shape[1]] == inner
-    return same
 
 
 def cast_planes(view: View, size: tuple[int, int]) -> Hits:
