@@ -80,7 +80,7 @@ test-jod: setup  ## those that need ColorVideoVDP, in .venv-jod beside .venv; to
 	@.venv/bin/python -c "import sysconfig; print('import site; site.addsitedir(' + repr(sysconfig.get_path('purelib')) + ')')" \
 	  >"$$(.venv-jod/bin/python -c "import sysconfig; print(sysconfig.get_path('purelib'))")/beside.pth"
 	@.venv/bin/python -m pip --python .venv-jod/bin/python install --quiet --constraint .ci/constraints.txt 'hmdwarp[jod]'
-	@.venv-jod/bin/python -m pytest -q tests/metrics/test_jod.py tests/experiments/bench/test_bench_rated.py tests/study/test_measure.py $(OPTIONS)
+	@.venv-jod/bin/python -m pytest -q tests/metrics/test_jod.py tests/study/test_measure.py $(OPTIONS)
 
 test-openxr: setup  ## the part of them with a real OpenXR runtime; needs root and apt, builds 1.4 GB first
 	@.venv/bin/python -m pytest tests/openxr $(OPTIONS)

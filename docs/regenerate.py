@@ -147,7 +147,7 @@ def pareto(_: Path) -> None:
         named = {"warp": warp, "fill": line["fill"].strip("`"), "baseline": system}
         rows.append({"trace": "walk", "latency_ms": 200.0, **named, "quality": quality, "time_ms": times})
     (case,) = cases(rows)
-    (DOCS / "pareto.png").write_bytes(paper_bytes(pareto_chart(case, width_in=7.0), "png"))
+    (DOCS / "pareto.png").write_bytes(paper_bytes(pareto_chart(case), "png", 7.0))
 
 
 def _flip(row: Mapping[str, Any]) -> float:

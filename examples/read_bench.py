@@ -22,7 +22,6 @@ hmdwarp.bench.bench(
         seconds=0.5,
         instants=2,
         workers=0,
-        parquet=True,
         paper=PaperOptions(tables=("latex",), plots=("pdf",)),
         out=out,
     )
@@ -33,6 +32,7 @@ rows = hmdwarp.bench.read(out).to_pandas()
 case = ["trace", "scene", "latency_ms", "host"]
 best = rows.loc[rows.groupby(case)["flip"].idxmin(), [*case, "warp", "fill", "flip", "psnr_db", "total_ms"]]
 best.to_csv(out / "best.csv", index=False)
+rows.to_parquet(out / "bench.parquet")  # for DuckDB, R and others
 print(best.to_string(index=False))
 
 # Or with DuckDB:

@@ -17,7 +17,7 @@ from hmdwarp.gpu import Gpu, context, timers
 from hmdwarp.gpu.egl import VARIABLE
 
 _create, _release, _library = context.create_context, Gpu._release, context.ShaderLibrary
-_has_timer = timers.has_real_gpu_timer
+_check = timers.check_clocks
 _idle: list[moderngl.Context] = []
 _made: set[moderngl.Context] = set()  # standalone ones; a window's belong to it
 
@@ -25,14 +25,14 @@ _made: set[moderngl.Context] = set()  # standalone ones; a window's belong to it
 def install() -> None:
     """Keep contexts from now on."""
     context.create_context, Gpu._release = _take, _put_back
-    context.ShaderLibrary, timers.has_real_gpu_timer = functools.cache(_library), functools.cache(_has_timer)
+    context.ShaderLibrary, timers.check_clocks = functools.cache(_library), functools.cache(_check)
 
 
 @contextmanager
 def as_shipped() -> Iterator[None]:
     """Make and destroy contexts in this block as the program does."""
     context.create_context, Gpu._release, context.ShaderLibrary = _create, _release, _library
-    timers.has_real_gpu_timer = _has_timer
+    timers.check_clocks = _check
     try:
         yield
     finally:

@@ -58,7 +58,7 @@ def _costs_of(refreshes: int, options: tuple[tuple[str, object], ...]) -> Costs:
             return get(self, paths, defines, *more)
 
         patch.setattr(ShaderLibrary, "_get", recorded)
-        patch.setattr(timers, "has_real_gpu_timer", _uncounted(timers.has_real_gpu_timer, made, textures))
+        patch.setattr(timers, "check_clocks", _uncounted(timers.check_clocks, made, textures))
         for kind in ALLOCATIONS:
             patch.setattr(moderngl.Context, kind, _counted(getattr(moderngl.Context, kind), made, kind, textures))
         for owner, name in WORK:

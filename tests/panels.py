@@ -14,16 +14,13 @@ from hmdwarp.client.lens import lenses
 from hmdwarp.client.warps import Output
 from hmdwarp.geometry import View
 from hmdwarp.gpu import Canvas
-from hmdwarp.headsets import COLOURS, Headset, MeshLens, TableLens, ViveLens, load_headset
+from hmdwarp.headsets import COLOURS, Headset, TableLens, ViveLens, load_headset
 
 
 def headset_for(lens: str) -> Headset:
     """The DK1, with a lens of that model where it has another one."""
     headset = load_headset("rift-dk1")
-    # Squares of tangents, as a headset without distortion has them.
-    grid = tuple(tuple((-1.0 + x, -1.2 + 1.2 * y) for x in range(3)) for y in range(3))
     others = {
-        "mesh": MeshLens(headset.eyes[0].panel_m, dict.fromkeys(COLOURS, grid)),
         "table": TableLens((0.0, 0.0), 0.04, (0, 30, 55), dict.fromkeys(COLOURS, (0, 0.6, 1))),
         "vive": ViveLens(1.2, dict.fromkeys(COLOURS, (0, 0)), dict.fromkeys(COLOURS, (-0.2, 0, 0, 0)), 1.2),
     }

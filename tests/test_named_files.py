@@ -5,7 +5,6 @@ Every reader of a file is here: an entry of READERS, or a layout of recorded fra
 
 from __future__ import annotations
 
-import gzip
 import json
 import os
 import resource
@@ -48,7 +47,6 @@ GIB = 1 << 30
 # Name of the file, and what reads it.
 READERS: dict[str, tuple[str, Callable[[Path], object]]] = {
     "trace": ("head.csv", load_trace),
-    "packed trace": ("head.csv.gz", load_trace),
     "headset": ("mine.toml", lambda path: load_headset(str(path))),
     "client": ("mine.toml", lambda path: load_client(str(path))),
     "study": ("mine.toml", lambda path: load_design(str(path))),
@@ -136,17 +134,6 @@ def test_arrays_are_bounded_by_what_they_unpack_to(tmp_path):
     """6 MB of the file were 6.4 GB; not one array is made."""
     np.savez_compressed(tmp_path / "a.npz", colour=np.zeros((9000, 20_000, 3), np.uint8), depth_m=np.zeros((1, 1)))
     refused(lambda: sequences.open(tmp_path), "bytes, unpacked; expected at most 536870912")
-
-
-def test_a_packed_trace_is_bounded_once_it_is_unpacked(tmp_path, monkeypatch):
-    rows = "time_ns,x,y,z,qx,qy,qz,qw\n" + "".join(f"{k}000000,0,1.6,0,0,0,0,1\n" for k in range(60_000))
-    (tmp_path / "head.csv.gz").write_bytes(gzip.compress(rows.encode()))
-    assert len(load_trace(tmp_path / "head.csv.gz").track) == 60_000
-    monkeypatch.setattr(text_table, "TRACE", attrs.evolve(text_table.TRACE, most_bytes=len(rows) - 1))
-    refused(lambda: load_trace(tmp_path / "head.csv.gz"), f"more than {len(rows) - 1} bytes, unpacked")
-    monkeypatch.undo()
-    (tmp_path / "head.csv.gz").write_bytes(gzip.compress(rows[:27].encode() + b"0,0,0,0,0,0,0,1\n" * (1 << 21)))
-    refused(lambda: load_trace(tmp_path / "head.csv.gz"), "more than 16777216 bytes, unpacked")
 
 
 def test_a_trace_has_so_many_rows_at_most(tmp_path, monkeypatch):

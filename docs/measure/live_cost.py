@@ -8,15 +8,13 @@ the processor and its caches, so the rest is slower than it would be beside a GP
 Three ways, in runs of their own: the wall's clock; the processor time of this thread, which leaves
 out what other programs took but not that they slow the processor down; and the wall's clock with
 calls that draw nothing, which is the loop's own cost. A fixed piece of work between the refreshes
-tells how slow the machine was: 1.0 is its best. With --gc: what Python's garbage collector does to
-the pictures, whenever it likes and between them.
+tells how slow the machine was: 1.0 is its best.
 """
 
 from __future__ import annotations
 
-import gc
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from statistics import median
 from typing import Any
@@ -34,7 +32,6 @@ from hmdwarp.run import LiveOptions
 from hmdwarp.run import live_run as run
 
 LIMIT_MS = 0.5  # median, both eyes
-BUDGET_MS = 1e3 / 90
 CASES: dict[str, dict[str, Any]] = {
     "forward + interpolate, radial lens": {"warp": "forward", "fill": "interpolate", "lens": "radial"},
     "backward + none, no lens": {"warp": "backward", "fill": "none", "lens": "none"},
@@ -131,74 +128,11 @@ def table_of(gpu: Gpu, frames: int) -> tuple[Table, dict[bool, bool]]:
     return table, kept
 
 
-class Pauses:
-    """What each refresh took in ms, what of that was collecting, and (generation, ms) of pauses."""
-
-    def __init__(self) -> None:
-        self.refreshes_ms: list[float] = []
-        self.collecting_ms: list[float] = []
-        self.pauses_ms: list[tuple[int, float]] = []
-        self._started_ns = self._began_ns = 0
-        self._within_ms = 0.0
-
-    def begin(self) -> None:
-        """Begin a refresh."""
-        self._within_ms, self._started_ns = 0.0, time.perf_counter_ns()
-
-    def end(self) -> None:
-        """End it; what is collected until the next begins is beside the picture."""
-        if self._started_ns:
-            self.refreshes_ms.append((time.perf_counter_ns() - self._started_ns) * 1e-6)
-            self.collecting_ms.append(self._within_ms)
-
-    def notice(self, phase: str, about: Mapping[str, int]) -> None:
-        """Count a collection, as one of gc.callbacks."""
-        if phase == "start":
-            self._began_ns = time.perf_counter_ns()
-            return
-        took_ms = (time.perf_counter_ns() - self._began_ns) * 1e-6
-        self._within_ms += took_ms
-        if len(self.refreshes_ms) >= WARM:
-            self.pauses_ms.append((about["generation"], took_ms))
-
-    def cells(self) -> list[str]:
-        """Return the cells of a row, warm-up left out."""
-        took = np.array([ms for _, ms in self.pauses_ms] or [0.0])
-        by_generation = " / ".join(str(sum(one == number for one, _ in self.pauses_ms)) for number in range(3))
-        refreshes, collecting = (np.array(values[WARM:]) for values in (self.refreshes_ms, self.collecting_ms))
-        late = int(((refreshes > BUDGET_MS) & (refreshes - collecting <= BUDGET_MS)).sum())
-        numbers = (took.max(), np.percentile(took, 99), took.sum() / len(refreshes))
-        numbers += (*np.percentile(refreshes, (50, 99)), refreshes.max())
-        return [by_generation, *(f"{value:.3f}" for value in numbers), str(late)]
-
-
-def collecting(gpu: Gpu, frames: int, chosen: dict[str, Any]) -> Table:
-    """Return what collecting whenever Python likes does, and between the pictures."""
-    how = f"Garbage collection in {frames} refreshes ({chosen['warp']} + {chosen['fill']})"
-    title = f"{how}; late by it: over {BUDGET_MS:.1f} ms (90 Hz) with collecting, not without"
-    heads = ("collecting", "pauses by generation", "longest ms", "p99", "ms a refresh")
-    table = Table(*heads, "refresh median", "p99", "longest", "late by it", title=title)
-    for name, between in {"whenever it likes": False, "between the pictures": True}.items():
-        pauses = Pauses()
-        gc.collect()
-        gc.callbacks.append(pauses.notice)
-        try:
-            drive(gpu, WARM + frames, pauses.begin, pauses.end, collect=between, **chosen)
-        finally:
-            gc.callbacks.remove(pauses.notice)
-        table.add_row(name, *pauses.cells())
-    return table
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print; return 1 if the limit is not kept where nothing is drawn."""
-    shown = {"frames": (600, "refreshes of each run"), "gc": (False, "what garbage collection does instead")}
-    chosen = options(__doc__, arguments, **shown)
+    chosen = options(__doc__, arguments, frames=(600, "refreshes of each run"))
     console = Console(width=140)
     with Gpu() as gpu:
-        if chosen.gc:
-            console.print(collecting(gpu, chosen.frames, CASES[LIMITED[0]]))
-            return 0
         table, kept = table_of(gpu, chosen.frames)
         console.print(table)
         told = {draws: "kept" if fine else "NOT kept" for draws, fine in kept.items()}

@@ -9,10 +9,8 @@ threads of a call with arrays, over that of its passes.
 from __future__ import annotations
 
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 
-import attrs
 import numpy as np
 from apparatus import in_turns, options, print_table, sizes_in
 from metrics.pictures import flip, ssim
@@ -65,21 +63,15 @@ def call_over_passes(gpu: Gpu, size: tuple[int, int], rounds: int) -> tuple[str,
     depth_m = np.tile(np.float32(2) + (np.arange(wide) * 6 // wide).astype(np.float32), (high, 1))  # steps
     raw = raw_picture(colour, depth_m)
     with Warper(size, gpu=gpu) as warper:
-        out = attrs.asdict(warper.warp(colour, depth_m, LATE, NOW), recurse=False)
-        out = {name: out[name] for name in ("colour", "coverage")}
-        pair, buffers = warper._pictures[0].pair, warper._free_buffers[0]
+        warper.warp(colour, depth_m, LATE, NOW)
+        pair, buffers = warper._pictures[0].pair, warper._buffers
         sent = warper._take_in.send(raw, buffers)
         made = warper._compensator.run(PassInputs(EyeImage(LATE, *pair), NOW, 0))
-        flying = deque(warper.submit(colour, depth_m, LATE, NOW, out=out) for _ in range(2))
         calls: dict[str, Callable[[], object]] = {
             "in": lambda: warper._take_in.run(raw, sent, pair, buffers.found, 0),
             "warp": lambda: warper._compensator.run(PassInputs(EyeImage(LATE, *pair), NOW, 0)),
             "out": lambda: warper._give_out.run(made.shown, made.warped, None, None, "srgb8", buffers),
-            "whole": lambda: warper.warp(colour, depth_m, LATE, NOW, out=out),
-            "submitted": lambda: (
-                flying.append(warper.submit(colour, depth_m, LATE, NOW, out=out)),
-                flying.popleft().result(),
-            ),
+            "whole": lambda: warper.warp(colour, depth_m, LATE, NOW),
         }
         took = in_turns(gpu, calls, rounds)
     ms = {name: float(np.median(each)) for name, each in took.items()}
@@ -87,10 +79,9 @@ def call_over_passes(gpu: Gpu, size: tuple[int, int], rounds: int) -> tuple[str,
     line = (
         f"Warper.warp, {wide}x{high}: {ms['whole']:.1f} ms of all threads; its passes {ms['in']:.1f} in, "
         f"{ms['warp']:.1f} warp and fill, {ms['out']:.1f} out: {ms['whole'] / passes:.2f} times (limit {MOST:g}); "
-        f"{ms['whole'] / ms['warp']:.2f} times warp and fill; by submit {ms['submitted']:.1f} ms, "
-        f"{ms['submitted'] / passes:.2f} times"
+        f"{ms['whole'] / ms['warp']:.2f} times warp and fill"
     )
-    return line, max(ms["whole"], ms["submitted"]) / passes
+    return line, ms["whole"] / passes
 
 
 def measuring_pictures(gpu: Gpu, size: tuple[int, int], rounds: int) -> str:

@@ -155,9 +155,9 @@ def code(reading: Reading, stated: Stated) -> Iterator[str]:
         yield f"{', '.join(both)} = {', '.join(f'{array}[::-1]' for array in both)}  # the bottom row came first"
     if "encoding" in wrong and reading.kind == BUFFER:
         low, near, far, is_reversed = _planes(reading, stated)
-        text = ", ".join("np.inf" if math.isinf(distance) else f"{distance:.4g}" for distance in (near, far))
-        ndc = ', ndc="minus_one_to_one"' if low < 0 else ""
-        yield f"depth_m = 1 / inverse_depth_from_clip(depth_m, {text}{ndc}{', reversed_z=True' if is_reversed else ''})"
+        ends = (far, near) if is_reversed else (near, far)
+        planes = ", ".join("np.inf" if math.isinf(distance) else f"{distance:.4g}" for distance in ends)
+        yield f"depth_m = 1 / DepthLayer({low:g}, 1, {planes}).inverse_depth(depth_m)"
     elif "encoding" in wrong or "planes" in wrong:
         constant = reading.offset - reading.factor * reading.end
         yield f"depth_m = 1 / ({constant:.5g} + {reading.factor:.5g} / depth_m)  # better: the planes of the renderer"

@@ -5,16 +5,14 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import Any
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import listed
-from ..gpu.textures import flip_rows
 from ..poses.assumptions import assumption_rows
-from ..report import labelled_strip, magma
 from . import conventions
 from .conventions import CONVENTIONS, differences, restored, value
 from .search import (
@@ -47,33 +45,6 @@ _LEFT = 0.2  # of what is not, as stated: what an answer may leave of a noisy se
 _LOOSE = ("focal", "centre", "time")  # tried on a wide grid
 
 
-@attrs.frozen(eq=False)
-class Decision:
-    """What is wrong, or that it cannot be told: headline, findings and code are written from it."""
-
-    search: Search
-    noise: Noise
-    best: Candidate
-    rivals: tuple[Candidate, ...] = ()  # readings with as few other changes under which the frames agree as well
-    # Conventions of which one or more differ besides, where no reading of them was found.
-    besides: tuple[str, ...] = ()
-    faults: tuple[str, ...] = ()  # faults that are no convention and explain as much, or what the best reading leaves
-    # Shares of the depths that the best reading explains, and what is stated.
-    explained: tuple[float, float] = (1.0, 1.0)
-
-    @property
-    def is_told(self) -> bool:
-        """Whether the best reading is the only one that explains the frames, and nearly all."""
-        share, stated = self.explained
-        enough = not self.best.changes or share >= max(EXPLAINED, stated - _LESS) or 1 - share < _LEFT * (1 - stated)
-        return not self.rivals and not self.besides and not self.faults and enough
-
-    @property
-    def causes(self) -> tuple[tuple[str, ...], ...]:
-        """The conventions that differ: of the best reading first, then of its rivals."""
-        return tuple(dict.fromkeys(differences(possible.reading) for possible in (self.best, *self.rivals)))
-
-
 def likeness(search: Search, reading: Reading) -> float:
     """Return the correlation of the brightness where depths agree, 0 if there is none."""
     found = search.middle.residuals(reading)
@@ -102,9 +73,20 @@ def explains(search: Search, reading: Reading) -> bool:
     return share >= WELL or (share >= _ENOUGH and likeness(search, reading) >= ALIKE)
 
 
-def decide(search: Search) -> Decision:
-    """Return the best reading of the frames, and whether others fit as well."""
-    plain = Reading()
+def check(stated: Stated) -> Answer:
+    """Return under which conventions frames agree.
+
+    Parameters
+    ----------
+    stated : Stated
+        Two or more frames, as `read_stated` reads them.
+
+    Returns
+    -------
+    Answer
+        The verdict, what is found of each convention, and the code that reads such frames right.
+    """
+    search, plain = Search(stated), Reading()
     tried = [plain, *search.discrete(plain)]
     well = agreement(search, search.best(tried)) >= WELL
     tried += _best_of(search, search.usual_numbers(plain)[:1])
@@ -149,11 +131,11 @@ def decide(search: Search) -> Decision:
     faults: tuple[str, ...] = ()
     if agreement(search, best.reading) >= AGREE:
         faults = standing(search, numbers.noise, best, _numbers_of(best.reading), without_numbers(best.reading))
-    return Decision(search, numbers.noise, best, rivals, besides, faults, shares)
+    return Answer(search, best, rivals, besides, faults, shares)
 
 
 def _candidates(search: Search, readings: Sequence[Reading], noise: Noise) -> list[Candidate]:
-    return [search.candidate(reading, noise, len(differences(reading))) for reading in readings]
+    return [search.candidate(Fitted(reading), noise) for reading in readings]
 
 
 def _close(search: Search, found: Sequence[Reading]) -> list[Fitted]:
@@ -305,7 +287,7 @@ class NumberSearch:
 
         Heads that never look up or down leave one of the two undetermined.
         """
-        if "focal" not in numbered(best.reading) or best.fitted is None:
+        if "focal" not in numbered(best.reading) or not best.fitted.names:
             return best
         names = (*(name for name in best.fitted.names if name not in FITTED["focal"]), WIDE)
         wide = best.reading.wide_x, best.reading.wide_y
@@ -361,7 +343,6 @@ class NumberSearch:
 
     def _sureness(self, one: Candidate, name: str) -> float:
         """Return by how many standard errors a convention is not as stated."""
-        assert one.fitted is not None
         error = dict(zip(one.fitted.names, one.fitted.error, strict=True))
         each = []
         for number in _DECIDES[FITTED[name]]:
@@ -384,7 +365,7 @@ class NumberSearch:
         return self.search.fitted(start, tuple(numbers)) if numbers else Fitted(start)
 
     def _candidate(self, fitted: Fitted) -> Candidate:
-        return self.search.candidate(fitted.reading, self.noise, len(differences(fitted.reading)), fitted)
+        return self.search.candidate(fitted, self.noise)
 
 
 EXPLAINED = 0.98  # of the depths that nothing hides
@@ -432,7 +413,7 @@ def _stands(
     starts = _STARTS | dict.fromkeys(DEPTH_SHIFT, tuple(at * width for at in _SHIFTS)) | {"scales": ((),)}
     values = itertools.product(*(starts[name] for name in least))
     tried = (attrs.evolve(base, **dict(zip(least, one, strict=True))) for one in values)
-    begun = [min(tried, key=lambda one: search.candidate(one, noise, 1).total)]
+    begun = [min(tried, key=lambda one: search.candidate(Fitted(one), noise).total)]
     if "depth_wide" in least:  # a shift of the depth alone looks like a principal point that is off
         begun.append(attrs.evolve(base, depth_x=-best.reading.pixel_x, depth_y=-best.reading.pixel_y))
     instead = [_fitted(search, one, tuple(least)) for one in begun]
@@ -476,9 +457,6 @@ def _fitted(search: Search, reading: Reading, names: tuple[str, ...]) -> Fitted:
     return Fitted(attrs.evolve(reading, scales=tuple((scales - scales.mean()).tolist())))
 
 
-_STILL_PX = 0.5  # median shift between two readings: below it they show the same
-
-
 @attrs.frozen
 class Finding:
     """What the frames say about one convention."""
@@ -494,27 +472,75 @@ class Finding:
 
 @attrs.frozen(eq=False)
 class Answer:
-    """What the frames say, and what they would say if read that way."""
+    """What is wrong, or that it cannot be told: headline, findings and code are one decision."""
 
-    decision: Decision
-    findings: tuple[Finding, ...]
-    agreement_stated: float  # share of the depths in view of two frames that agree within 5 %
-    agreement: float
-    likeness: float  # correlation of their brightness where depths agree
-    as_good: tuple[str, ...]  # what it may be, where frames do not tell: each explains them as well
-    code: tuple[str, ...]  # empty where the cause is not known
+    search: Search
+    best: Candidate
+    rivals: tuple[Candidate, ...] = ()  # readings with as few other changes under which the frames agree as well
+    # Conventions of which one or more differ besides, where no reading of them was found.
+    besides: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()  # faults that are no convention and explain as much, or what the best reading leaves
+    # Shares of the depths that the best reading explains, and what is stated.
+    explained: tuple[float, float] = (1.0, 1.0)
 
     def __repr__(self) -> str:
         return f"<Answer {self.headline}>"
 
     @property
+    def is_told(self) -> bool:
+        """Whether the best reading is the only one that explains the frames, and nearly all."""
+        share, stated = self.explained
+        enough = not self.best.changes or share >= max(EXPLAINED, stated - _LESS) or 1 - share < _LEFT * (1 - stated)
+        return not self.rivals and not self.besides and not self.faults and enough
+
+    @property
+    def causes(self) -> tuple[tuple[str, ...], ...]:
+        """The conventions that differ: of the best reading first, then of its rivals."""
+        return tuple(dict.fromkeys(differences(possible.reading) for possible in (self.best, *self.rivals)))
+
+    @property
     def reading(self) -> Reading:
         """The reading under which the frames agree best."""
-        return self.decision.best.reading
+        return self.best.reading
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """One for each convention."""
+        return tuple(_finding(self, name) for name in CONVENTIONS)
+
+    @property
+    def as_good(self) -> tuple[str, ...]:
+        """What it may be, where frames do not tell: each explains them as well."""
+        ways = [] if self.is_told else [one.reading for one in (self.best, *self.rivals)]
+        stated = self.search.stated
+        words = (
+            [f"{CONVENTIONS[name].label}: {value(one, stated, name)}" for name in differences(one)] for one in ways
+        )
+        return tuple(map(listed, words))
+
+    @property
+    def code(self) -> tuple[str, ...]:
+        """The lines that read such frames right; none where the cause is not known."""
+        return tuple(conventions.code(self.reading, self.search.stated)) if self.is_told else ()
+
+    @cached_property
+    def agreement_stated(self) -> float:
+        """Share of the depths in view of two frames that agree within 5 %, as stated."""
+        return agreement(self.search, Reading())
+
+    @cached_property
+    def agreement(self) -> float:
+        """The same under the best reading."""
+        return agreement(self.search, self.reading)
+
+    @cached_property
+    def likeness(self) -> float:
+        """Correlation of their brightness where depths agree."""
+        return likeness(self.search, self.reading)
 
     @property
     def agree(self) -> bool:
-        """Whether the frames agree under it."""
+        """Whether the frames agree under the best reading."""
         return self.agreement >= AGREE and self.likeness >= ALIKE
 
     @property
@@ -522,18 +548,18 @@ class Answer:
         """Return "right", "wrong" (of what, the decision may tell), or "no agreement"."""
         if not self.agree:
             return "no agreement"
-        return "wrong" if differences(self.reading) or self.decision.besides or self.decision.faults else "right"
+        return "wrong" if differences(self.reading) or self.besides or self.faults else "right"
 
     @property
     def headline(self) -> str:
         """The verdict in one sentence."""
-        frames, share = f"{len(self.decision.search.stated.frames)} frames", f"{100 * self.agreement:.0f} %"
+        frames, share = f"{len(self.search.stated.frames)} frames", f"{100 * self.agreement:.0f} %"
         if self.verdict == "right":
             return f"right: {frames} agree as they are stated, in {share} of the depths that two of them show"
         if self.verdict == "wrong":
             cause = f": {_labels(differences(self.reading))}"
-            if not self.decision.is_told:
-                cause = f", and the cause cannot be told: {untold(self.decision)}"
+            if not self.is_told:
+                cause = f", and the cause cannot be told: {untold(self)}"
             return (
                 f"wrong{cause}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree "
                 f"as stated, {share} as found ({frames})"
@@ -549,56 +575,26 @@ class Answer:
         """Return what `--json` prints."""
         return {
             "verdict": self.verdict,
-            "told": self.agree and self.decision.is_told,
-            "frames": len(self.decision.search.stated.frames),
+            "told": self.agree and self.is_told,
+            "frames": len(self.search.stated.frames),
             "agreement_stated": self.agreement_stated,
             "agreement": self.agreement,
             "likeness": self.likeness,
             "conventions": [attrs.asdict(finding) for finding in self.findings] if self.agree else [],
             "as_good": list(self.as_good),
             "code": list(self.code) if self.agree else [],
-            "assumptions": assumption_rows(self.decision.search.stated.assumptions),
-            "notes": list(self.decision.search.stated.notes),
+            "assumptions": assumption_rows(self.search.stated.assumptions),
+            "notes": list(self.search.stated.notes),
         }
 
 
-def check(stated: Stated) -> Answer:
-    """Return under which conventions frames agree.
-
-    Parameters
-    ----------
-    stated : Stated
-        Two or more frames, as `read_stated` reads them.
-
-    Returns
-    -------
-    Answer
-        The verdict, what is found of each convention, and the code that reads such frames right.
-    """
-    decision = decide(search := Search(stated))
-    best = decision.best.reading
-    ways = [] if decision.is_told else [one.reading for one in (decision.best, *decision.rivals)]
-    return Answer(
-        decision,
-        tuple(_finding(decision, name) for name in CONVENTIONS),
-        agreement(search, Reading()),
-        agreement(search, best),
-        likeness(search, best),
-        tuple(
-            listed([f"{CONVENTIONS[name].label}: {value(one, stated, name)}" for name in differences(one)])
-            for one in ways
-        ),
-        tuple(conventions.code(best, stated)) if decision.is_told else (),
-    )
-
-
-def untold(decision: Decision) -> str:
+def untold(answer: Answer) -> str:
     """Return what it may be, where frames do not tell, and what it is not."""
-    if decision.besides and not decision.faults:
-        named = dict.fromkeys([*(name for names in decision.causes for name in names), *decision.besides])
+    if answer.besides and not answer.faults:
+        named = dict.fromkeys([*(name for names in answer.causes for name in names), *answer.besides])
         return f"more than one of {_labels(tuple(named))} differs, or something else does"
-    causes = [*(_labels(names) for names in decision.causes if names), *decision.faults]
-    share, excluded = decision.explained, [one for one in FAULTS if one not in decision.faults]
+    causes = [*(_labels(names) for names in answer.causes if names), *answer.faults]
+    share, excluded = answer.explained, [one for one in FAULTS if one not in answer.faults]
     few = "" if share[0] >= EXPLAINED else " (explains {:.1%} of the depths that nothing hides, {:.1%} as stated)"
     return f"{' or '.join(causes)}{few.format(*share)}{f'; excluded: {listed(excluded)}' if excluded else ''}"
 
@@ -607,41 +603,31 @@ def _labels(names: Sequence[str]) -> str:
     return listed([CONVENTIONS[name].label for name in names])
 
 
-def _finding(decision: Decision, name: str) -> Finding:
-    """Return what the decision says of a convention, or whether frames show it as stated."""
-    search, best, convention = decision.search, decision.best.reading, CONVENTIONS[name]
+def _finding(answer: Answer, name: str) -> Finding:
+    """Return what the answer says of a convention, or whether frames show it as stated."""
+    search, best, convention = answer.search, answer.reading, CONVENTIONS[name]
     stated, differ = search.stated, differences(best)
     found = Finding(name, convention.label, value(best, stated, name), name not in differ, True)
-
-    def unknown(why: str, **other: Any) -> Finding:
-        why = f"{why.partition('; excluded')[0]}; it takes {convention.needs}"
-        return attrs.evolve(found, told=False, why=why, **other)
-
-    if not decision.is_told and name in {*itertools.chain(*decision.causes), *decision.besides}:
-        return unknown(untold(decision), value=value(Reading(), stated, name), as_stated=True)
-    others = list(_others(search, best, name))
-    score, *scores = (search.coarse.by_block(np.nan_to_num(search.coarse.score(one)))[0] for one in (best, *others))
-    margins = [standard_errors(score - other) for other in scores]
+    if not answer.is_told and name in {*itertools.chain(*answer.causes), *answer.besides}:
+        why = f"{untold(answer).partition('; excluded')[0]}; it takes {convention.needs}"
+        return attrs.evolve(found, value=value(Reading(), stated, name), as_stated=True, told=False, why=why)
+    score, *scores = (
+        search.coarse.by_block(np.nan_to_num(search.coarse.score(one)))[0]
+        for one in (best, *_others(search, best, name))
+    )
+    margin = min((standard_errors(score - other) for other in scores), default=None)
     if name in differ:
-        sure = min(margins, default=0.0)
-        return attrs.evolve(found, margin=sure if sure >= SURE else None)
-    why, margin = "", min(margins, default=None)
+        return attrs.evolve(found, margin=margin if margin is not None and margin >= SURE else None)
+    told = margin is None or margin >= SURE
     if convention.numbers and name != "ray":
         known = {name, *differ}
         # Whether it is part of what is found.
         is_part = {"pixel", "centre"} <= known or ("encoding" in known and name in ("scale", "planes"))
-        why = "" if is_part else _vague(search, best, name)
-    elif name == "eyes" and stated.other_eye is None:
-        why = "these are not of both eyes"
-    elif margin is not None and margin < SURE:
-        nearest = others[margins.index(margin)]
-        a, b = (search.fine.residuals(which) for which in (best, nearest))
-        apart = np.linalg.norm(a.pixel - b.pixel, axis=-1)[a.seen & b.seen]
-        shift = float(np.median(apart)) if len(apart) else math.inf
-        why = "fits as well, with other numbers" if margin > -SURE else "fits better, and another change better still"
-        why = f"would move pixels by only {shift:.2g}" if shift < _STILL_PX and name != "rows" else why
-        why = f"{value(nearest, stated, name)} {why}"
-    return unknown(why, margin=margin) if why else attrs.evolve(found, margin=margin)
+        told = is_part or not _is_vague(search, best, name)
+    elif name == "eyes":
+        told = told and stated.other_eye is not None
+    why = "" if told else f"other values explain them as well; it takes {convention.needs}"
+    return attrs.evolve(found, margin=margin, told=told, why=why)
 
 
 def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
@@ -659,80 +645,12 @@ def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
                     yield near
 
 
-def _vague(search: Search, best: Reading, name: str) -> str:
-    """Return why a number cannot be told, "" where it can."""
-    numbers = CONVENTIONS[name].numbers
-    steps = search.steps(best)
+def _is_vague(search: Search, best: Reading, name: str) -> bool:
+    """Return whether frames tell a number too roughly, or not at all."""
+    numbers, steps = CONVENTIONS[name].numbers, search.steps(best)
     if not set(numbers) <= set(steps):
-        return "there are too few frames, or they are too far apart to know the motion between them"
+        return True
     fitted = search.fitted(best, numbers)
     unit = {"offset": 1e3 * steps["offset"], "late_s": search.stated.interval_s or 1.0}
-    errors = {key: float(error) / unit.get(key, 1.0) for key, error in zip(fitted.names, fitted.error, strict=True)}
-    most = max(errors.values())
-    if most <= CONVENTIONS[name].vague:
-        return ""
-    moved = search.moved_m(best)
-    if name in ("scale", "planes", "ray") and moved * search.span(best) < 0.01:
-        return f"the eye moves by only {100 * moved * search.span(best):.2g} % of the distance"
-    pixels = f"known to {most:.2g} pixels only"
-    words = {"pixel": pixels, "centre": pixels, "time": f"known to {most:.2g} frames only"}
-    share = f"known to {100 * most:.0f} % only" if math.isfinite(most) else "nothing in them depends on it"
-    return words.get(name, share)
-
-
-Picture = NDArray[np.uint8]
-_WORST = 0.2  # difference of the depths, in their size, that is drawn brightest
-_LEAST_SEEN = 0.4  # of a picture that has to be in view from the other place
-
-
-def mismatch(answer: Answer) -> Picture:
-    """Return a picture of what agrees and what does not.
-
-    Parameters
-    ----------
-    answer : Answer
-        Of `check`.
-
-    Returns
-    -------
-    (h, w, 3) uint8 array
-        A strip: two frames, one as seen from the other's place, and what differs, as stated and as
-        found.
-    """
-    search, best = answer.decision.search, answer.reading
-    # Two frames that see much of the same from places far apart.
-    found, at = search.coarse.residuals(best), np.stack([search.coarse.column, search.coarse.row], axis=-1)
-    seen, shift = found.seen.mean(axis=1), np.linalg.norm(found.pixel - at, axis=-1)
-    moved = np.array([np.median(one[good]) if good.any() else 0 for one, good in zip(shift, found.seen, strict=True)])
-    one, other = map(int, search.coarse.pairs[np.argmax(np.where(seen > _LEAST_SEEN, moved, seen * 1e-3))])
-    panels = []
-    readings = {"as stated": Reading()} if best == Reading() else {"as stated": Reading(), "as found": best}
-    for words, reading in readings.items():
-        there, depth = _moved(search.stated, reading, one, other)
-        target, shown = (_upright(search.stated.frames[which].colour, reading) for which in (one, other))
-        error = np.abs(there.astype(int) - target).mean(axis=2) * there.any(axis=2) / 128
-        panels += [
-            ("one frame", target),
-            ("another", shown),
-            (f"that, moved here: {words}", there),
-            ("colour differs", magma(error)),
-            ("depth differs", magma(depth)),
-        ]
-    return labelled_strip(panels, columns=5)
-
-
-def _moved(stated: Stated, reading: Reading, one: int, other: int) -> tuple[Picture, Array]:
-    """Return the other frame as seen from the place of one, and how much depth differs."""
-    overlap = Overlap(stated, stated.fine, np.array([[one, other]]), None, between=False)
-    found = overlap.residuals(reading)
-    size = stated.fine.numbers.shape[1:]
-    column, row = np.rint(found.pixel[0]).astype(int).T
-    moved = _upright(stated.frames[other].colour, reading)[row, column].reshape(*size, 3)
-    known = found.seen[0].reshape(size) & ~np.isnan(stated.fine.numbers[one])
-    depth = np.nan_to_num(np.abs(found.depth[0]).reshape(size) / _WORST) * known
-    moved = np.where(known[..., None], moved, 0).astype(np.uint8)
-    return (flip_rows(moved), flip_rows(depth)) if reading.depth_rows_up else (moved, depth)
-
-
-def _upright(picture: Picture, reading: Reading) -> Picture:
-    return flip_rows(picture) if reading.colour_rows_up else picture
+    errors = (float(error) / unit.get(key, 1.0) for key, error in zip(fitted.names, fitted.error, strict=True))
+    return max(errors) > CONVENTIONS[name].vague

@@ -23,7 +23,6 @@ from ..colour import linear_from_srgb, srgb8_from_linear
 from ..errors import InputError, listed
 from ..geometry import DepthLayer, Fov, Pose, View
 from ..options.named_files import PICTURE_FILE, named_in, opened
-from ..report import labelled_strip, magma
 from ..sources.sequences import read_colour, read_depth
 from ..sources.sequences.frame_files import number_of, numbers_of, read_json
 from ..sources.sequences.picture_files import EXR, NPY, read_exr
@@ -698,28 +697,3 @@ def _slope_of_z(found: list[Found], best: Convention) -> tuple[float, float] | N
         return None
     slope = float(top.sum() / low.sum())
     return slope, float(np.sqrt(((top - slope * low) ** 2).sum()) / low.sum())
-
-
-def motion_mismatch(verdict: Verdict) -> NDArray[np.uint8]:
-    """Return a picture of what the vectors do.
-
-    Parameters
-    ----------
-    verdict : Verdict
-        Of `check_motion`.
-
-    Returns
-    -------
-    (h, w, 3) uint8 array
-        A strip: a frame, the one before, and that one moved as stated and as found.
-    """
-    now, before = verdict.frames.pairs[-1]
-    pair, where = Pair(now, before), grid(now.size)
-    panels = [("one frame", now.colour), ("the one before", before.colour)]
-    for words, convention in {"as stated": verdict.frames.stated, "nearest": verdict.best}.items():
-        found = Found.of(pair, convention)
-        uv = where + nearest_at(found.uv - pair.uv, where)
-        moved = np.where(inside(uv)[..., None], nearest_at(before.colour, uv), 0).astype(np.uint8)
-        wrong = nearest_at((found.missed | found.elsewhere).astype(float), where)
-        panels += [(f"that, moved here: {words}", moved), ("contradicted", magma(wrong))]
-    return labelled_strip(panels, columns=2)

@@ -28,12 +28,8 @@ class CheckOptions(Declared):
         False, "Check the motion vectors of FRAMES, a folder with motion.json: unit, y axis, direction, jitter."
     )
     reading: SequenceOptions = group(SequenceOptions)
-    out: Path | None = out_field(None, "OUT.png: two frames moved onto each other, as stated and as found.")
-    force: bool = force_field()
 
     def __attrs_post_init__(self) -> None:
-        if self.out is not None and self.out.suffix != ".png":
-            raise InputError(f"--out {self.out}: expected a name that ends in .png")
         if self.motion and len(self.frames) != 1:
             raise InputError(f"--motion: {len(self.frames)} names: expected one folder with motion.json")
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import Any
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from .conventions import differences
 from .stated_frames import AXES, BUFFER, METRES, Array, Reading, Sheet, Stated
 
 Indices = NDArray[np.int64]
@@ -182,7 +184,7 @@ class Noise:
 
         Sky on sky, which agrees under many readings, tells nothing of it.
         """
-        both = (np.abs(differences[~found.sky]) for differences in (found.depth, found.colour))
+        both = (np.abs(apart[~found.sky]) for apart in (found.depth, found.colour))
         return cls(*(max(1.48 * _median(one, math.inf), 1e-4) for one in both))
 
 
@@ -270,12 +272,20 @@ _OFFSETS = (-0.6, -0.3, -0.15, 0.15, 0.3, 0.6)  # of the inverse depth, in its m
 class Candidate:
     """A reading, and how it does on the fine pictures."""
 
-    reading: Reading
+    fitted: Fitted
     cost: Array  # of each block
-    changes: int  # conventions that differ from what is stated
-    fitted: Fitted | None = None
 
     @property
+    def reading(self) -> Reading:
+        """The reading itself."""
+        return self.fitted.reading
+
+    @cached_property
+    def changes(self) -> int:
+        """How many conventions differ from what is stated."""
+        return len(differences(self.reading))
+
+    @cached_property
     def total(self) -> float:
         """Its cost in all blocks."""
         return float(self.cost.sum())
@@ -435,15 +445,14 @@ class Search:
         found = fit(self.middle, start, steps)
         return found if self.fine is self.middle else fit(self.fine, found.reading, steps)
 
-    def candidate(self, reading: Reading, noise: Noise, changes: int, fitted: Fitted | None = None) -> Candidate:
+    def candidate(self, fitted: Fitted, noise: Noise) -> Candidate:
         """Return the reading with its disagreement, block by block."""
-        sums, _ = self.fine.by_block(cost(self.fine.residuals(reading), noise))
-        return Candidate(reading, sums, changes, fitted)
+        return Candidate(fitted, self.fine.by_block(cost(self.fine.residuals(fitted.reading), noise))[0])
 
 
-def standard_errors(differences: Array) -> float:
+def standard_errors(apart: Array) -> float:
     """Return the sum of what blocks differ by, in its standard errors; blocks are independent."""
-    differs = differences[differences != 0]
+    differs = apart[apart != 0]
     if len(differs) < _FEWEST:
         return 0.0
     spread = math.sqrt(len(differs)) * float(differs.std(ddof=1))

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from ..errors import InputError
 from ..run.requirements import Requirements
 from ._options import Said, print_results
 from ._signals import end_if_asked
@@ -133,8 +132,6 @@ def run_experiment(
         result = run(*options, progress, sayer(said["quiet"]))
     print_results(said, result.data, lambda: tell(result), result.report)
     result.raise_failures()
-    if result.refused:  # after the results are written: they are good, the budget was not
-        raise InputError(result.refused)
     if required is not None:
         required.end(required.judge(result.data["rows"]))
 

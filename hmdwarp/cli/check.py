@@ -21,13 +21,8 @@ def check(said: Said) -> None:
     from ._show import paragraph
 
     options = CheckOptions.of(said)
-    out = options.out
-    if out is not None:
-        report.refuse_existing(out, force=options.force)
     if options.motion:
         verdict = conventions.check_motion(conventions.read_motion(options.frames[0]))
-        if out is not None:
-            report.write_png(out, conventions.motion_mismatch(verdict))
         if said["json"]:
             typer.echo(as_json(verdict.as_json()))
             return
@@ -36,14 +31,10 @@ def check(said: Said) -> None:
             typer.echo(line)
         return
     answer = conventions.check(conventions.read_stated(options.frames, options.reading))
-    if out is not None:
-        report.write_png(out, conventions.mismatch(answer))
     if said["json"]:
         typer.echo(as_json(answer.as_json()))
         return
     _print(answer)
-    if out is not None:
-        typer.echo(f"picture: {out}")
 
 
 def _print(answer: conventions.Answer) -> None:
@@ -62,7 +53,7 @@ def _print(answer: conventions.Answer) -> None:
         paragraph(f"{finding.label} cannot be told from these frames: {finding.why}")
     if answer.agree and answer.code:
         typer.echo("\n".join(["Read them so:", *(f"    {line}" for line in answer.code)]))
-    stated = answer.decision.search.stated
+    stated = answer.search.stated
     if stated.assumptions:
         typer.echo("\n".join(["The folder was read with:", *(f"  {one}" for one in stated.assumptions)]))
     for note in stated.notes:

@@ -42,19 +42,19 @@ def merge(said: Said) -> None:
 
 
 def _tell_bench(result: sweep.ExperimentResult) -> None:
-    from ..report.bench.rows import OF_BENCH, bench_table, choice_text, verdict_text
-    from ._show import console, paragraph
+    from ..report.bench.rows import OF_BENCH, bench_table, verdict_text
+    from ._show import paragraph
 
-    screen, rows = console(), result.data["rows"]
-    _tell_cases(rows, "bench", OF_BENCH, lambda shown: bench_table(shown, width=screen.width))
+    rows = result.data["rows"]
+    _tell_cases(rows, "bench", OF_BENCH, bench_table)
     paragraph(f"Timed by {result.data['clocks']['note']}.")
     for trace, axes in report.axes_of_traces(rows).items():
         paragraph(f"Axes of {trace}: {axes}.")
     of_rows = (note for row in rows for note in row["notes"])
     for note in dict.fromkeys([*result.data["notes"], *of_rows]):
         paragraph(f"note: {note}")
-    for sentence in (*map(verdict_text, result.data["winners"]), *choice_text(result.data["choice"])):
-        paragraph(sentence)
+    for verdict in result.data["winners"]:
+        paragraph(verdict_text(verdict))
 
 
 def _tell_cases(rows: Iterable[Any], name: str, conditions: Any, table: Callable[[list[Any]], Any]) -> None:

@@ -49,7 +49,7 @@ def plan(said: Said) -> None:
     built = build_plan_for(options, frames.headset, scene, **told)
     proxy = proxy_plan_for(options, scene) if options.source_kind is PROXY else None
     frame = pipeline.frame_weight(options, frames.headset, [built])
-    notes = [*pipeline.guard_notes(options, frame), *motion_notes(options, scene, built)]
+    notes = motion_notes(options, scene, built)
     if said["json"]:
         names = ("scene", "indirect", "warp", "fill", "lens", "headset")
         data = {"source": source, **{name: getattr(options, name) for name in names}, "eyes": eyes}

@@ -329,7 +329,7 @@ def _print(data: dict[str, Any]) -> None:
             rows = [row for row in scale["comparisons"] if row["part"] == part]
             title = f"{part}: {_SIGN}" if part else _SIGN.capitalize()
             table(title, *study_lines("comparisons in 80 columns", rows))
-        found = [row["sentence"] for row in (*scale["comparisons"], *scale["copied"], *scale["claims"])]
+        found = [row["sentence"] for row in (*scale["comparisons"], *scale["claims"])]
         paragraphs([*found, *(scale["prediction"] or {}).get("sentences", ())], apart=True)
     typer.echo()
     drawn = f"{data['resamples']} drawn with seed {data['seed']}"

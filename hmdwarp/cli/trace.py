@@ -152,7 +152,7 @@ def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Tabl
         "clock": f"{loaded.time_unit}, starting at {loaded.track.epoch_ns / 1e9:.9g} s" if loaded.time_unit else "",
         "gaps": gaps,
         "jumps": str(figures.jumps or "none"),
-        "gaze": str(figures.gaze or "none"),
+        "gaze": "none" if figures.gaze_known is None else f"known in {figures.gaze_known:.1%} of the samples",
     }
     facts = Table(show_header=False, box=None, pad_edge=False)
     facts.add_column(style="bold", no_wrap=True)
@@ -165,15 +165,13 @@ def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Tabl
     turning = ("turning, deg/s", *(f"{v:.1f}" if math.isfinite(v) else short for v in figures.angular_speed_deg_s))
     moving = ("moving, m/s", *(f"{v:.3f}" if math.isfinite(v) else short for v in figures.linear_speed_m_s))
     yield report.terminal_table(heads, [turning, moving], title="Speed (200 Hz, central differences)")
-    costs = (
-        ("What latency costs: angle between the head and its --predict, degrees, p50 / p95 / p99 (mean)", _angles),
-        ("Signed error along the motion: % of the time leading, p95 of the lead / of the lag, degrees", _lead),
-    )
+    title = "What latency costs: angle between the head and its --predict, degrees, p50 / p95 / p99 (mean)"
     heads = ("latency", *figures.errors[0].errors)
-    for title, cell in costs:
-        cells = ((cell(error) if row.count else short for error in row.errors.values()) for row in figures.errors)
-        lines = [(f"{row.latency_ms} ms", *texts) for row, texts in zip(figures.errors, cells, strict=True)]
-        yield report.terminal_table(heads, lines, title=title)
+    lines = [
+        (f"{row.latency_ms} ms", *(_angles(error) if row.count else short for error in row.errors.values()))
+        for row in figures.errors
+    ]
+    yield report.terminal_table(heads, lines, title=title)
     if (count := len(loaded.segments)) > 1:
         lines = [
             (str(s.number), f"{s.first_line}-{s.last_line}", str(s.rows), f"{s.duration_s:.3f}", "taken" * s.taken)
@@ -189,10 +187,6 @@ def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Tabl
 
 def _angles(errors: poses.PredictionErrors) -> str:
     return f"{' / '.join(map(_angle, errors.percentiles))} ({errors.mean:.2f})"
-
-
-def _lead(errors: poses.PredictionErrors) -> str:
-    return f"{100 * errors.lead_share:.1f} %, {_angle(errors.lead)} / {_angle(errors.lag)}"
 
 
 def _angle(degrees: float) -> str:

@@ -17,7 +17,5 @@ from .offscreen import OffscreenDisplay as OffscreenDisplay
 from .present import FRAMEBUFFER_SRGB as FRAMEBUFFER_SRGB
 from .present import MAX_HEIGHT_M as MAX_HEIGHT_M
 from .present import MAX_WIDTH_M as MAX_WIDTH_M
-from .present import Notices as Notices
 from .present import Presenter as Presenter
-from .present import fitted as fitted
 from .present import text_ink as text_ink

@@ -18,13 +18,13 @@ from ..headsets import load_headset
 from ..pipeline.loop import Refresh
 from ..poses.track import LoopedSource
 from . import Command, DisplayOptions, Label, Status, Tick
-from .desktop.window_system import SwitchableView
+from .desktop.window_system import WindowView
 from .present import Presenter
 
 AHEAD = 2  # refreshes from a tick to its display time, as in a headset
 
 
-class OffscreenDisplay(SwitchableView):
+class OffscreenDisplay(WindowView):
     """A display.Display like a window's: hmdwarp corrects the lens.
 
     real_time: the clock is time.monotonic_ns; otherwise it stands still between pictures.
@@ -38,7 +38,7 @@ class OffscreenDisplay(SwitchableView):
         if options.trace is None:
             raise InputError("an offscreen display has no head to follow: name a recorded one by --trace")
         headset = options.emulated or load_headset(options.headset)
-        super().__init__(headset, options.size, options.view)
+        super().__init__(options.view, headset, options.size)
         self.rate_hz = options.rate_hz or headset.refresh_hz
         self._period_ns, self._real_time = round(1e9 / self.rate_hz), real_time
         # When the refresh begins; on a simulated clock that is now.
@@ -65,7 +65,7 @@ class OffscreenDisplay(SwitchableView):
 
     def show(self, refresh: Refresh | None, label: Label = "") -> int:
         w, h = refresh.eyes[0].panel.size if refresh is not None else self.size
-        count = self._view.count
+        count = self.count
         if self._target is None or self._target.size != (w * count, h):
             self._free_target()
             self._target = self.gpu.gl.framebuffer([self.gpu.gl.texture((w * count, h), 4)])

@@ -29,7 +29,7 @@ class Presenter:
 
     def __init__(self, gpu: Gpu) -> None:
         gl = self._gl = gpu.gl
-        self._notices = Notices(gl)
+        self._notices: OrderedDict[Label, Notice] = OrderedDict()
         self._shaders = gpu.shaders
         self._nothing = Canvas(gl, (1, 1))
         self._nothing.clear()
@@ -40,15 +40,27 @@ class Presenter:
         draw = self._shaders.draw("display/whole.vert", fragment, **defines)
         return draw.uniforms, self._gl.vertex_array(draw.program, [])
 
-    def prepare(self, *, hardware_srgb: bool) -> None:
-        """Compile what show() uses; otherwise its first call does."""
-        for scaled, noticed in product((False, True), repeat=2):
-            defines = {"ENCODES": int(not hardware_srgb), "SCALED": int(scaled), "NOTICED": int(noticed)}
-            self._pictures[hardware_srgb, scaled, noticed] = self._whole("display/picture.frag", **defines)
-
     def notice(self, label: Label) -> Notice | None:
-        """Return the notice that show() can lay over the picture; None for "". Cached."""
-        return self._notices.of(label)
+        """Return what show() can lay over the picture; None for "".
+
+        Lines are wrapped; a tab in them makes two columns. Each is drawn once; of too many the
+        least recently used one is dropped.
+        """
+        if not label:
+            return None
+        if label not in self._notices:
+            if len(self._notices) == KEPT:
+                self._notices.popitem(last=False)[1].ink.release()
+            ink = text_ink(label) if isinstance(label, str) else label.ink()
+            is_grey = ink.ndim == 2
+            texture = allocate(self._gl, ink.shape[1::-1], (1 if is_grey else 4, "f1"), linear=True)
+            if is_grey:
+                texture.swizzle = "RRR1"
+            upload(texture, ink)
+            texture.build_mipmaps()  # a head-locked text panel shows letters at half size
+            self._notices[label] = Notice(label, texture)
+        self._notices.move_to_end(label)
+        return self._notices[label]
 
     def show(
         self,
@@ -70,8 +82,10 @@ class Presenter:
         """
         picture, size = panel or self._nothing, (viewport[2], viewport[3])
         key = (hardware_srgb, picture.size != size, notice is not None)
-        if key not in self._pictures:
-            self.prepare(hardware_srgb=hardware_srgb)
+        if key not in self._pictures:  # all of them now, so that no later picture is held up
+            for scaled, noticed in product((False, True), repeat=2):
+                defines = {"ENCODES": int(not hardware_srgb), "SCALED": int(scaled), "NOTICED": int(noticed)}
+                self._pictures[hardware_srgb, scaled, noticed] = self._whole("display/picture.frag", **defines)
         uniforms, array = self._pictures[key]
         picture.texture.use(0)
         uniforms.set(picture=0, picture_size=picture.size, place=tuple(viewport))
@@ -109,19 +123,13 @@ class Presenter:
         into.viewport = before
 
     def close(self) -> None:
-        self._notices.close()
+        for notice in self._notices.values():
+            notice.ink.release()
+        self._notices.clear()
         self._nothing.release()
         for _, array in (*self._pictures.values(), self._depth):
             array.release()
         self._pictures.clear()
-
-
-def fitted(picture: tuple[int, int], place: Viewport) -> Viewport:
-    """Return the largest centred part of `place` with the shape of a (w, h) picture."""
-    x, y, w, h = place
-    scale = min(w / picture[0], h / picture[1])
-    inside = (max(round(scale * picture[0]), 1), max(round(scale * picture[1]), 1))
-    return (x + (w - inside[0]) // 2, y + (h - inside[1]) // 2, *inside)
 
 
 def _nothing_like(mask: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -153,8 +161,7 @@ class Notice:
     """A drawn text or text panel. (u, v) on it has its origin at the bottom left."""
 
     label: Label
-    # with mipmaps, 1 where a letter is, or the light of a picture; it belongs to the Notices that
-    # made it
+    # with mipmaps, 1 where a letter is, or the light of a picture; the Presenter's
     ink: moderngl.Texture
 
     def uv_from_pixel(self, size: tuple[int, int], eye: View | None) -> NDArray[np.float64]:
@@ -181,43 +188,6 @@ class Notice:
             in_eye = eye.head_from_eye.rotation.as_matrix().T @ from_eye
             pixel_from_uv = eye.fov.pixel_from_tangent(size) @ np.diag([1.0, 1.0, -1.0]) @ in_eye
         return np.asarray(np.linalg.inv(pixel_from_uv), np.float64)
-
-
-class Notices:
-    """Textures of texts, each drawn once; the least recently used one is dropped when too many."""
-
-    def __init__(self, gl: moderngl.Context) -> None:
-        self._gl = gl
-        self._kept: OrderedDict[Label, Notice] = OrderedDict()
-
-    def of(self, label: Label) -> Notice | None:
-        """Return the notice of a text or text panel, None for an empty text.
-
-        Lines are wrapped; a tab in them makes two columns.
-        """
-        if not label:
-            return None
-        if label not in self._kept:
-            if len(self._kept) == KEPT:
-                self._kept.popitem(last=False)[1].ink.release()
-            self._kept[label] = self._draw(label)
-        self._kept.move_to_end(label)
-        return self._kept[label]
-
-    def _draw(self, label: Label) -> Notice:
-        ink = text_ink(label) if isinstance(label, str) else label.ink()
-        is_grey = ink.ndim == 2
-        texture = allocate(self._gl, ink.shape[1::-1], (1 if is_grey else 4, "f1"), linear=True)
-        if is_grey:
-            texture.swizzle = "RRR1"
-        upload(texture, ink)
-        texture.build_mipmaps()  # a head-locked text panel shows letters at half size
-        return Notice(label, texture)
-
-    def close(self) -> None:
-        for notice in self._kept.values():
-            notice.ink.release()
-        self._kept.clear()
 
 
 def text_ink(text: str) -> NDArray[np.uint8]:

@@ -27,14 +27,11 @@ class EyeImage:
     """
 
     view: View
-    # rgba16f, linear light with coverage in alpha.
-    colour: moderngl.Texture
-    # r32f in 1/m.
-    inverse_depth: moderngl.Texture
+    colour: moderngl.Texture  # rgba16f, linear light with coverage in alpha
+    inverse_depth: moderngl.Texture  # r32f in 1/m
     # The further layers by name, as each layer's file describes them.
     carried: Mapping[str, Any] = attrs.field(factory=dict)
-    # When it was drawn.
-    drawn_ns: int = 0
+    drawn_ns: int = 0  # when it was drawn
     # 1/m by which a code may have changed the inverse depth of nearly every pixel; 0 as drawn.
     depth_error: float = 0.0
     # Of layers.PICTURE what no plan reads, and is empty therefore; the further layers are there.
@@ -126,14 +123,10 @@ class Frame:
 class Others:
     """Which other pictures a plan uses."""
 
-    # How many older frames the client keeps.
-    past: int = 0
-    # The least time between two of them.
-    spacing_ns: int = 0
-    # Whether the other eye's picture is used as well.
-    other_eye: bool = False
-    # How many frames straight before the newest the client keeps beside those.
-    recent: int = 0
+    past: int = 0  # how many older frames the client keeps
+    spacing_ns: int = 0  # the least time between two of them
+    other_eye: bool = False  # whether the other eye's picture is used as well
+    recent: int = 0  # how many frames straight before the newest the client keeps beside those
 
     def __bool__(self) -> bool:
         """Return whether any other picture is used."""

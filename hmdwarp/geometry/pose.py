@@ -204,7 +204,10 @@ class Pose:
         """
         if type(other) is not Pose:
             _check_pose(other)
-        return trusted_pose(*relative(self, other))
+        x, y, z, w = other.unit_quaternion
+        # A copy, as BLAS adds up in another order where a matrix is transposed.
+        position = other.rotation_matrix.T.copy() @ (self.position_m - other.position_m)
+        return trusted_pose(position, _product((-x, -y, -z, w), self.unit_quaternion))
 
     def towards(self, other: Pose, share: float) -> Pose:
         """Return the pose `share` (0..1) of the way to `other`.
@@ -246,14 +249,6 @@ def _check_pose(other: object) -> None:
 
 
 _set = object.__setattr__
-
-
-def relative(pose: Pose, other: Pose) -> tuple[Vector, Quaternion]:
-    """Return position and orientation of pose.relative_to(other)."""
-    x, y, z, w = other.unit_quaternion
-    # A copy, as BLAS adds up in another order where a matrix is transposed.
-    position: Vector = other.rotation_matrix.T.copy() @ (pose.position_m - other.position_m)
-    return position, _product((-x, -y, -z, w), pose.unit_quaternion)
 
 
 def trusted_pose(position: Vector, turn: Sequence[float]) -> Pose:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import NO_NUMBERS, InputError, in_brief
-from .pose import Pose, floats, frozen, frozen3, matrix_of, real, relative
+from .pose import Pose, floats, frozen, frozen3, real
 
 Size = tuple[int, int]
 
@@ -184,8 +184,8 @@ class Fov:
         return fx, fy, -left * fx - 0.5 + centre, up * fy - 0.5 + centre
 
     @cached_property
-    def cameras(self) -> dict[Size, tuple[NDArray[np.float64], NDArray[np.float64]]]:
-        """Cameras of warp maps, by the size of the picture: few, and used at every frame."""
+    def matrices(self) -> dict[Size | str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """What others make of it once: few, and used at every frame; of pictures by their size."""
         return {}
 
     @cached_property
@@ -406,11 +406,11 @@ class View:
 
     def at(self, pose: Pose) -> View:
         """Return the same eye at another pose, which is not checked."""
-        return _trusted_view(pose, self.fov, self.head_from_eye, self.hidden, self.gaze)
+        return _like(self, pose=pose)
 
     def within(self, fov: Fov) -> View:
         """Return the view with a guard band, or without: its hidden area goes along."""
-        return _trusted_view(self.pose, fov, self.head_from_eye, self.hidden and self.hidden.within(fov), self.gaze)
+        return _like(self, fov=fov, hidden=self.hidden and self.hidden.within(fov))
 
     def seen(self, size: Size) -> NDArray[np.bool_]:
         """Return (h, w): which pixels can be seen, the top row first."""
@@ -431,15 +431,12 @@ class View:
 _set = object.__setattr__
 
 
-def _trusted_view(pose: Pose, fov: Fov, head_from_eye: Pose, hidden: Hidden | None, gaze: Gaze | None) -> View:
+def _like(view: View, **changed: object) -> View:
     """Return View(..) of what another view had, without a check: every refresh makes six."""
-    view = View.__new__(View)
-    _set(view, "pose", pose)
-    _set(view, "fov", fov)
-    _set(view, "head_from_eye", head_from_eye)
-    _set(view, "hidden", hidden)
-    _set(view, "gaze", gaze)
-    return view
+    made = View.__new__(View)
+    for name in ("pose", "fov", "head_from_eye", "hidden", "gaze"):
+        _set(made, name, changed.get(name, getattr(view, name)))
+    return made
 
 
 class Eyes(Protocol):
@@ -542,11 +539,14 @@ def view_map(frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int,
     key = id(frm), id(to), frm_size, to_size
     if key in _MAPS:
         return _MAPS[key][2]
-    position_m, turn = relative(frm.pose, to.pose)
-    k_to = (to.fov.cameras.get(to_size) or _camera(to.fov, to_size))[0]
-    k_frm_inverse = (frm.fov.cameras.get(frm_size) or _camera(frm.fov, frm_size))[1]
+    # A copy, as BLAS adds up in another order where a matrix is transposed.
+    to_from_world = to.pose.rotation_matrix.T.copy()
+    position_m = to_from_world @ (frm.pose.position_m - to.pose.position_m)
+    k_to = (to.fov.matrices.get(to_size) or _camera(to.fov, to_size))[0]
+    k_frm_inverse = (frm.fov.matrices.get(frm_size) or _camera(frm.fov, frm_size))[1]
     made = WarpMap.__new__(WarpMap)
-    for name, values in (("H", k_to @ matrix_of(turn) @ k_frm_inverse), ("e", k_to @ position_m)):
+    turned = k_to @ (to_from_world @ frm.pose.rotation_matrix) @ k_frm_inverse
+    for name, values in (("H", turned), ("e", k_to @ position_m)):
         values.flags.writeable = False
         _set(made, name, values)
     if len(_MAPS) >= 32:  # a refresh of both eyes makes 18
@@ -560,8 +560,8 @@ def _camera(fov: Fov, size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArr
     pixel_from_eye = fov.pixel_from_tangent(size) @ _FLIP_Z
     eye_from_pixel = np.asarray(np.linalg.inv(pixel_from_eye), np.float64)
     pixel_from_eye.flags.writeable = eye_from_pixel.flags.writeable = False
-    fov.cameras[size] = pixel_from_eye, eye_from_pixel
-    return fov.cameras[size]
+    fov.matrices[size] = pixel_from_eye, eye_from_pixel
+    return fov.matrices[size]
 
 
 Array = NDArray[np.float64]

@@ -26,4 +26,3 @@ from .timers import Lap as Lap
 from .timers import Stages as Stages
 from .timers import StageTimer as StageTimer
 from .timers import check_clocks as check_clocks
-from .timers import has_real_gpu_timer as has_real_gpu_timer

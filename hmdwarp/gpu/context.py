@@ -55,12 +55,6 @@ def create_context(*, shared: bool = False) -> moderngl.Context:
     raise MachineError(f"no OpenGL {WANTED / 100:.1f} here ({'; '.join(failures)}): {HOW_TO_GET_GL}")
 
 
-_RESET_REASONS = {  # GL_GUILTY_CONTEXT_RESET and the two after it
-    0x8253: "something that this program ran took too long or failed",
-    0x8254: "because of another program",
-    0x8255: "the driver does not say why",
-}
-
 _thread = threading.local()  # .gpu: GL calls of this thread go to its context
 _MANY = 1000  # released objects that moderngl still keeps
 _process: int | None = None  # which first made a context
@@ -177,9 +171,8 @@ class Gpu:
         """
         reason = self._reset_status()
         if reason:
-            why = _RESET_REASONS.get(reason, f"reason {reason:#x}")
             raise MachineError(
-                f"{self.renderer} was reset, and its pictures are lost ({why}): start again; "
+                f"{self.renderer} was reset, and its pictures are lost (OpenGL's reason {reason:#x}): start again; "
                 "if it comes back use smaller pictures, or another device with HMDWARP_EGL_DEVICE"
             )
 

@@ -19,7 +19,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, MachineError, are_digits
+from ..errors import InputError, MachineError
 
 _FRAMEBUFFER, _DRAW_BINDING, _READ_BINDING = 0x8D40, 0x8CA6, 0x8CAA
 _DRAW_FRAMEBUFFER, _READ_FRAMEBUFFER = 0x8CA9, 0x8CA8
@@ -250,35 +250,24 @@ def _attributes(pairs: tuple[int, ...]) -> Any:
 
 
 def create_context(version: int, *, shared: bool = False) -> moderngl.Context:
-    """Return a context on the device that HMDWARP_EGL_DEVICE names, else on the first that has one.
+    """Return a context on the device of number HMDWARP_EGL_DEVICE, else on the first that has one.
 
-    shared: see EglContext.
-    The variable: a number in EGL's order, or a part of the renderer's name.
-    Errors: InputError where no device, or more than one, is so named; OSError where none has
+    shared: see EglContext. Errors: InputError where there is no such device; OSError where none has
     OpenGL.
     """
-    found, wanted = devices(), os.environ.get(VARIABLE, "").strip()
-    if not wanted:
-        failures = []
-        for device in found:
-            try:
-                return _on(device, version, shared)
-            except (OSError, ValueError) as error:
-                failures.append(f"device {device.index}: {error}")
-        raise OSError("; ".join(failures) or "EGL lists no device")
-    if are_digits(wanted):
-        chosen = [device for device in found if device.index == int(wanted)]
-    else:
-        names = {device.index: renderer_of(device, version) for device in found}
-        chosen = [device for device in found if wanted.lower() in names[device.index].lower()]
-    if len(chosen) != 1:
-        which = "names no device" if not chosen else f"names {len(chosen)} devices"
+    found, wanted, failures = devices(), os.environ.get(VARIABLE, "").strip(), []
+    chosen = [device for device in found if not wanted or str(device.index) == wanted]
+    if wanted and not chosen:
         known = "; ".join(f"{device.index}: {renderer_of(device, version)}" for device in found)
         raise InputError(
-            f"{VARIABLE}={wanted} {which} here, expected one of {known or 'none'}: "
-            "give a number or a part of one's name"
+            f"{VARIABLE}={wanted} names no device here, expected one of {known or 'none'}: give its number"
         )
-    return _on(chosen[0], version, shared)
+    for device in chosen:
+        try:
+            return _on(device, version, shared)
+        except (OSError, ValueError) as error:
+            failures.append(f"device {device.index}: {error}")
+    raise OSError("; ".join(failures) or "EGL lists no device")
 
 
 def _make_current(display: int, context: int) -> None:

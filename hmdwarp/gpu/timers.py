@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import attrs
@@ -20,72 +20,40 @@ def is_software(gl: moderngl.Context) -> bool:
 
 # Of the wall-clock time that a real timer reports at least: launching may be nearly all of it. A
 # copy by a CPU takes milliseconds, and a timer that misses it still counts what surrounds it.
-_LEAST_SHARE, _LEAST_SHARE_OF_A_COPY_ON_A_CPU = 1e-3, 0.1
-_PROBE_BYTES, _CHECK_BYTES, _PROBE_WIDTH = 4 << 20, 64 << 20, 512
-
-
-def has_real_gpu_timer(gl: moderngl.Context) -> bool:
-    """Return whether GL_TIME_ELAPSED measures draws and compute shaders.
-
-    Probed, not known by name: llvmpipe answers about 1 ns for any work, or leaves out compute
-    shaders, and Zink, which runs on the same llvmpipe, measures both.
-    """
-    texture = gl.texture((_PROBE_WIDTH, _PROBE_WIDTH), 4, dtype="f4")
-    framebuffer = gl.framebuffer([texture])
-
-    def clear() -> None:
-        for _ in range(4):
-            framebuffer.clear(0.5, 0.5, 0.5, 0.5)
-
-    measures_draws = _agrees_with_the_wall(gl, clear, _LEAST_SHARE)
-    release_all(framebuffer, texture)
-    if not measures_draws:
-        return False
-    with _copying(gl, _PROBE_BYTES) as run:
-        return _agrees_with_the_wall(gl, run, _LEAST_SHARE_OF_A_COPY_ON_A_CPU if is_software(gl) else _LEAST_SHARE)
-
-
-@contextmanager
-def _copying(gl: moderngl.Context, size_bytes: int) -> Iterator[Callable[[], None]]:
-    """Give what copies so many bytes from one buffer to another in a compute shader."""
-    copy = Compute(gl, "gpu/copy.comp", {})
-    buffers = [gl.buffer(reserve=size_bytes) for _ in range(2)]
-    for binding, buffer in enumerate(buffers):
-        buffer.bind_to_storage_buffer(binding)
-    blocks = size_bytes // 16
-    copy.uniforms.set(count=blocks, width=_PROBE_WIDTH)
-    try:
-        yield lambda: copy.run(_PROBE_WIDTH, blocks // _PROBE_WIDTH)
-    finally:
-        release_all(copy.program, *buffers)
-
-
-def _agrees_with_the_wall(gl: moderngl.Context, run: Callable[[], object], least: float) -> bool:
-    run()  # keeps one-time work of the driver out of the comparison
-    wall_ms, gpu_ms = both_clocks(gl, run)
-    return wall_ms * least < gpu_ms <= wall_ms * 1.5
+_LEAST_SHARE, _LEAST_SHARE_ON_A_CPU = 1e-3, 0.1
+_BYTES, _WIDTH = 4 << 20, 512
 
 
 @attrs.frozen
 class ClockCheck:
     """One known pass timed by both clocks."""
 
-    clock: str  # the one the stage timer uses
+    clock: str  # the one that stages are timed by: "gpu" where the two agree, else "wall"
     wall_ms: float
     gpu_ms: float | None  # None where timer queries measure nothing
     note: str  # which clock is used and how far apart the two are, in a sentence
 
 
-def check_clocks(gl: moderngl.Context, clock: str, rounds: int = 5) -> ClockCheck:
-    """Time a copy by GPU query and by wall clock after finish, in the same runs; the best of each.
+def check_clocks(gl: moderngl.Context) -> ClockCheck:
+    """Time a copy by a compute shader by GPU query and by wall clock after finish, in the same run.
 
-    clock: the stage timer's, "gpu" or "wall".
+    Probed, not known by name: llvmpipe answers about 1 ns for any work, or leaves out compute
+    shaders, and Zink, which runs on the same llvmpipe, measures them.
     """
-    with _copying(gl, _CHECK_BYTES) as run:
-        run()
-        times = [both_clocks(gl, run) for _ in range(rounds)]
-    wall_ms, gpu_ms = (min(column) for column in zip(*times, strict=True))
-    if clock == "wall":
+    copy, blocks, query = Compute(gl, "gpu/copy.comp", {}), _BYTES // 16, gl.query(time=True)
+    buffers = [gl.buffer(reserve=_BYTES) for _ in range(2)]
+    for binding, buffer in enumerate(buffers):
+        buffer.bind_to_storage_buffer(binding)
+    copy.uniforms.set(count=blocks, width=_WIDTH)
+    copy.run(_WIDTH, blocks // _WIDTH)  # keeps one-time work of the driver out of the comparison
+    gl.finish()
+    started_ns = time.perf_counter_ns()
+    with query:
+        copy.run(_WIDTH, blocks // _WIDTH)
+    gl.finish()
+    wall_ms, gpu_ms = (time.perf_counter_ns() - started_ns) * 1e-6, query.elapsed * 1e-6
+    release_all(copy.program, *buffers)
+    if not wall_ms * (_LEAST_SHARE_ON_A_CPU if is_software(gl) else _LEAST_SHARE) < gpu_ms <= wall_ms * 1.5:
         told = f"({gpu_ms:.3g} ms for a pass of {wall_ms:.2f} ms)"
         return ClockCheck("wall", wall_ms, None, f"wall clock: this driver's GPU timers are unusable {told}")
     apart = f"({(wall_ms - gpu_ms) / gpu_ms:+.1%}: launching and waiting)"
@@ -132,12 +100,12 @@ class StageTimer:
 
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl
-        self.clock = "gpu" if has_real_gpu_timer(gl) else "wall"
+        self.check = check_clocks(gl)
+        self.clock = self.check.clock
         self._free: list[moderngl.Query] = []
         self._pending: list[tuple[str, moderngl.Query]] = []
         self._done: list[tuple[str, float]] = []
         self._lap_started_ns = time.perf_counter_ns()
-        self._waits = True
 
     @property
     def lap_ms(self) -> float:
@@ -145,24 +113,15 @@ class StageTimer:
         return (time.perf_counter_ns() - self._lap_started_ns) * 1e-6
 
     @contextmanager
-    def without_waiting(self) -> Iterator[None]:
-        """Let the GPU run on between stages: the wall clock then times only those of the CPU."""
-        self._waits = False
-        try:
-            yield
-        finally:
-            self._waits = True
-
-    @contextmanager
     def aside(self, name: str) -> Iterator[None]:
         """Time all that runs inside as one stage of this lap, whatever laps it makes of its own."""
-        around, waits = (self._pending, self._done, self._lap_started_ns), self._waits
-        self._pending, self._done, self._waits = [], [], True
+        around = self._pending, self._done, self._lap_started_ns
+        self._pending, self._done = [], []
         started_ns = time.perf_counter_ns()
         try:
             yield
         finally:
-            (self._pending, self._done, self._lap_started_ns), self._waits = around, waits
+            self._pending, self._done, self._lap_started_ns = around
             self.add(name, (time.perf_counter_ns() - started_ns) * 1e-6)
 
     def stage(self, name: str, *, barrier: bool = False) -> Stage:
@@ -171,11 +130,11 @@ class StageTimer:
         Blocks that raise do not count. What it returns can be entered any number of times, one
         after the other. barrier: make what is stored inside visible to all that follows.
         """
-        return Stage(self, name, barrier)
+        return Stage(self, name, barrier, by_query=self.clock == "gpu")
 
     def cpu_stage(self, name: str) -> Stage:
         """Time work of the CPU inside `with timer.cpu_stage(name):`, in milliseconds."""
-        return Stage(self, name, of_cpu=True)
+        return Stage(self, name, barrier=False, by_query=False)
 
     def add(self, name: str, milliseconds: float) -> None:
         """Count work done elsewhere than in GL, timed by the caller, as a stage of this lap."""
@@ -196,15 +155,13 @@ class StageTimer:
 class Stage:
     """A stage timed by a query, or by the wall clock between two instants at which the GPU is idle.
 
-    Inside StageTimer.without_waiting it is not idle, and only stages of the CPU have a wall clock's
-    time. A class, because contextlib's generators cost 3 us each and a refresh has ten.
+    A class, because contextlib's generators cost 3 us each and a refresh has ten.
     """
 
-    __slots__ = ("_barrier", "_by_query", "_name", "_of_cpu", "_query", "_started_ns", "_timer")
+    __slots__ = ("_barrier", "_by_query", "_name", "_query", "_started_ns", "_timer")
 
-    def __init__(self, timer: StageTimer, name: str, barrier: bool = False, of_cpu: bool = False) -> None:
-        self._timer, self._name, self._barrier, self._of_cpu = timer, name, barrier, of_cpu
-        self._by_query = timer.clock == "gpu" and not of_cpu
+    def __init__(self, timer: StageTimer, name: str, barrier: bool, by_query: bool) -> None:
+        self._timer, self._name, self._barrier, self._by_query = timer, name, barrier, by_query
 
     def __enter__(self) -> None:
         timer = self._timer
@@ -212,8 +169,7 @@ class Stage:
             self._query = timer._free.pop() if timer._free else timer._gl.query(time=True)
             self._query.__enter__()
             return
-        if timer._waits:
-            timer._gl.finish()
+        timer._gl.finish()
         self._started_ns = time.perf_counter_ns()
 
     def __exit__(self, error: type[BaseException] | None, *rest: object) -> None:
@@ -227,19 +183,5 @@ class Stage:
             else:
                 timer._free.append(self._query)
         elif error is None:
-            if timer._waits:
-                timer._gl.finish()
-            if timer._waits or self._of_cpu:
-                timer._done.append((self._name, (time.perf_counter_ns() - self._started_ns) * 1e-6))
-
-
-def both_clocks(gl: moderngl.Context, run: Callable[[], object]) -> tuple[float, float]:
-    """Return (wall_ms, gpu_ms) of one run: until the GPU has finished; by a query, real or not."""
-    query = gl.query(time=True)
-    gl.finish()
-    started = time.perf_counter_ns()
-    with query:
-        run()
-    gl.finish()
-    wall_ms = (time.perf_counter_ns() - started) * 1e-6
-    return wall_ms, query.elapsed * 1e-6
+            timer._gl.finish()
+            timer._done.append((self._name, (time.perf_counter_ns() - self._started_ns) * 1e-6))

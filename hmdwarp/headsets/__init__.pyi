@@ -9,7 +9,6 @@ from ._model import CameraDisplay as CameraDisplay
 from ._model import Headset as Headset
 from ._model import HeadsetEye as HeadsetEye
 from ._model import Lens as Lens
-from ._model import MeshLens as MeshLens
 from ._model import RadialLens as RadialLens
 from ._model import TableLens as TableLens
 from ._model import ViveLens as ViveLens

@@ -227,10 +227,10 @@ def _eye(
         model = lens.text("model")
         if model not in MODELS:
             raise InputError(f"unknown lens model '{model}': known is {', '.join(MODELS)}")
-        x, y = _pair(lens, "axis_from_centre_m") if model != "mesh" else (0.0, 0.0)
+        x, y = _pair(lens, "axis_from_centre_m")
         axis = _pair(data, "lens_axis_m") if "lens_axis_m" in data else (-side * x, y)
         corner = np.array(size_m) / 2 + np.abs(axis)
-        made = MODELS[model].of(lens, axis, float(np.hypot(*corner)), fov, size_m)
+        made = MODELS[model].of(lens, axis, float(np.hypot(*corner)))
     return HeadsetEye(Pose(place, turn), fov, size_m, made, _hidden(data, fov))
 
 

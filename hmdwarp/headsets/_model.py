@@ -21,7 +21,6 @@ from ..geometry import Fov, Hidden, Polygon, Pose, View
 from ..options import Table
 
 MAX_COEFFICIENTS = 9
-MOST_POINTS = 257  # on a side of a mesh
 COLOURS = ("red", "green", "blue")
 Array = NDArray[np.float64]
 Pair = tuple[float, float]
@@ -82,7 +81,7 @@ class RadialLens(_OneAxis):
     reach: float  # the largest r on the panel, up to which the polynomial must grow
 
     @classmethod
-    def of(cls, data: Table, axis: Pair, reach_m: float, fov: Fov, panel_m: Pair) -> RadialLens:
+    def of(cls, data: Table, axis: Pair, reach_m: float) -> RadialLens:
         """Return the lens of a file's table. reach_m: from the axis to the panel's corner."""
         unit_m, per_unit = data.number("unit_m"), data.number("tangent_per_unit")
         coefficients = {colour: data.numbers(colour) for colour in COLOURS}
@@ -155,7 +154,7 @@ class TableLens(_OneAxis):
             raise InputError(f"lens table angle_deg ends at {self.angle_deg[-1]:g}: expected less than 89 degrees")
 
     @classmethod
-    def of(cls, data: Table, axis: Pair, reach_m: float, fov: Fov, panel_m: Pair) -> TableLens:
+    def of(cls, data: Table, axis: Pair, reach_m: float) -> TableLens:
         distances = {colour: data.numbers("distance" if "distance" in data else colour) for colour in COLOURS}
         return cls(axis, data.number("unit_m"), data.numbers("angle_deg"), distances)
 
@@ -215,75 +214,11 @@ class ViveLens(_Round):
         return np.asarray((1 / polynomial.polyval(r * r, [1, k1, k2, k3]) + k4) / self.focal)
 
 
-@attrs.frozen
-class MeshLens:
-    """The tangent that each point of a grid over the panel shows, bilinear between points.
-
-    Errors: InputError for a mesh that folds back.
-    Source: OpenVR, IVRSystem::ComputeDistortion, sampled on a grid.
-    """
-
-    model: ClassVar[str] = "mesh"
-    axis_from_centre_m: ClassVar[Pair] = (0.0, 0.0)
-    unit_m: ClassVar[float] = 1.0
-
-    panel_m: Pair
-    # Of each colour: rows from below, in them points from the left; `uv` in a file is of the view.
-    points: dict[str, tuple[tuple[Pair, ...], ...]]
-
-    @classmethod
-    def of(cls, data: Table, axis: Pair, reach_m: float, fov: Fov, panel_m: Pair) -> MeshLens:
-        columns, rows = (data.whole(side, 2, MOST_POINTS) for side in ("columns", "rows"))
-        low, high = fov.tangents[::2], fov.tangents[1::2]
-        points = {}
-        for colour in COLOURS:
-            numbers = data.numbers("uv" if "uv" in data else colour, 2 * columns * rows)
-            points[colour] = _as_tuples(low + np.reshape(numbers, (rows, columns, 2)) * (high - low))
-        return cls(panel_m, points)
-
-    def __attrs_post_init__(self) -> None:
-        for colour, points in self.points.items():
-            grid = np.array(points)
-            across, up = np.diff(grid, axis=1), np.diff(grid, axis=0)
-            for right in (slice(None, -1), slice(1, None)):
-                for above in (slice(None, -1), slice(1, None)):
-                    x, y = across[above], up[:, right]
-                    # Of a bilinear cell it is linear: above 0 at its corners, it is so everywhere.
-                    folds = np.argwhere(x[..., 0] * y[..., 1] <= x[..., 1] * y[..., 0])
-                    if len(folds):
-                        row, column = folds[0]
-                        raise InputError(
-                            f"the lens mesh of {colour} folds back in the cell of row {row}, column {column}: "
-                            "two panel pixels would show the same direction; correct its uv"
-                        )
-
-    def mirrored(self) -> MeshLens:
-        turned = {colour: np.array(points)[:, ::-1] * (-1, 1) for colour, points in self.points.items()}
-        return MeshLens(self.panel_m, {colour: _as_tuples(grid) for colour, grid in turned.items()})
-
-    def tangents(self, colour: str, on_lens: Array) -> Array:
-        """Return the tangents of places, in metres from the panel's middle."""
-        grid = np.array(self.points[colour])
-        at = (on_lens / self.panel_m + 0.5) * (grid.shape[1] - 1, grid.shape[0] - 1)
-        low = np.clip(np.floor(at), 0, (grid.shape[1] - 2, grid.shape[0] - 2)).astype(int)
-        (x, y), (s, t) = np.moveaxis(low, -1, 0), np.moveaxis(at - low, -1, 0)[..., None]
-        below, above = ((1 - s) * grid[y + up, x] + s * grid[y + up, x + 1] for up in (0, 1))
-        return np.asarray((1 - t) * below + t * above)
-
-
-def _as_tuples(grid: Array) -> tuple[tuple[Pair, ...], ...]:
-    return tuple(tuple((float(x), float(y)) for x, y in row) for row in grid)
-
-
 # Each has a model, the name of the pass that corrects it in client/lens; the axis and the unit of
 # places on it; mirrored(), the other eye's; and tangents() of places.
-Lens = RadialLens | TableLens | ViveLens | MeshLens
+Lens = RadialLens | TableLens | ViveLens
 # By what a file calls them.
-MODELS: dict[str, type[RadialLens] | type[TableLens] | type[MeshLens]] = {
-    "radial": RadialLens,
-    "table": TableLens,
-    "mesh": MeshLens,
-}
+MODELS: dict[str, type[RadialLens] | type[TableLens]] = {"radial": RadialLens, "table": TableLens}
 
 
 def _whole_pixels(size: Sequence[float]) -> tuple[int, int]:

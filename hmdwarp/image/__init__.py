@@ -1,6 +1,6 @@
 """Warp one RGB-D frame of the caller's own in one call, without scene or headset."""
 
 from .usable import usable_fills, usable_warps
-from .warper import Pending, WarpedImage, WarpedTextures, Warper
+from .warper import WarpedImage, WarpedTextures, Warper
 
-__all__ = ["Pending", "WarpedImage", "WarpedTextures", "Warper", "usable_fills", "usable_warps"]
+__all__ = ["WarpedImage", "WarpedTextures", "Warper", "usable_fills", "usable_warps"]

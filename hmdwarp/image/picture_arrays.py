@@ -19,7 +19,6 @@ from ..sources.array_passes import LINEAR, SRGB, SRGB8, Arrays
 from ..sources.repairs import RepairChain
 from ..sources.sequences import about_largest, is_largest
 
-NO_DEPTH = -1.0
 ENCODINGS = (SRGB, LINEAR)
 # Light above it is rare, and a picture is not lit like that in most places, nor in whole numbers:
 # 8-bit values are, as floats.
@@ -28,54 +27,33 @@ _NOTHING = 0.95  # share of holes that a late frame leaves only by mistake
 
 
 @attrs.frozen(eq=False)
-class PictureArrays:
-    """A picture with depth, checked; the top row first."""
+class CallerPicture(Arrays):
+    """A picture of a caller, whose numbers checked_picture has checked, or the GPU does."""
 
-    colour: NDArray[Any]  # (h, w, 3) as the caller has it, 0 where it is hidden: uint8 sRGB, or floats
-    encoding: str  # of `colour`: "srgb8", "srgb" or "linear"
-    light: NDArray[Any]  # (h, w, 3) the same in linear light
-    inverse_depth: NDArray[np.float64]  # (h, w) 1/m, NaN where there is no depth or no colour
-    hidden: NDArray[np.bool_]  # (h, w) where there is no colour
+    passed: tuple[Any, ...] = ()  # what checked_picture takes
+    # (h, w, 3) the colour in linear light, of a checked picture: its depth is float64 in 1/m, NaN
+    # where there is none or no colour.
+    light: NDArray[Any] | None = None
+    colourless: NDArray[np.bool_] | bool = False  # (h, w) where there is no colour
     notes: tuple[str, ...] = ()  # what a caller should know of its depth, one sentence each
 
-    @property
-    def size(self) -> tuple[int, int]:
-        """(w, h) in pixels."""
-        height, width = self.hidden.shape
-        return width, height
+    def checked(self) -> CallerPicture:
+        """Return what checked_picture makes of it. Errors: InputError."""
+        return checked_picture(*self.passed) if self.light is None else self
 
-    def repaired(self, chain: RepairChain) -> tuple[RawPicture, NDArray[np.float32]]:
-        """Return the picture with its depth repaired, and how sure that is: 0 without colour."""
+    def repaired(self, chain: RepairChain) -> tuple[CallerPicture, NDArray[np.float32]]:
+        """Return a checked picture, its depth repaired, and how sure that is: 0 without colour."""
+        assert self.light is not None
         is_bytes = self.colour.dtype == np.uint8
         srgb = self.colour * np.float32(1 / 255) if is_bytes else srgb_from_linear(self.light.astype(np.float32))
-        found = chain.run(srgb, self.inverse_depth.astype(np.float32))
-        inverse = np.where(self.hidden, np.nan, found.inverse_depth.astype(np.float64))
-        return attrs.evolve(self, inverse_depth=inverse).raw(), np.where(self.hidden, np.float32(0), found.confidence)
-
-    def raw(self) -> RawPicture:
-        """Return it as the GPU takes it over, with nothing left to check."""
-        return RawPicture(self.colour, self.encoding, self.inverse_depth, is_inverse=True, checked=self)
-
-    def arrays(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Return linear colour with coverage (h, w, 4), and inverse depth (h, w), -1 for none."""
-        covered = ~np.isnan(self.inverse_depth)
-        limit = float(np.finfo(np.float16).max)
-        light = np.clip(self.light, -limit, limit) * covered[..., None]
-        rgba = np.concatenate([light, covered[..., None]], axis=2)
-        return rgba.astype(np.float32), np.where(covered, self.inverse_depth, NO_DEPTH).astype(np.float32)
-
-
-@attrs.frozen(eq=False)
-class RawPicture(Arrays):
-    """A picture of a caller, whose numbers the GPU checks as well."""
-
-    passed: tuple[Any, ...] = ()  # what checked_picture takes, and what it has made of that, if it was asked
-    checked: PictureArrays | None = None
+        found = chain.run(srgb, self.depth.astype(np.float32))
+        inverse = np.where(self.colourless, np.nan, found.inverse_depth.astype(np.float64))
+        return attrs.evolve(self, depth=inverse), np.where(self.colourless, np.float32(0), found.confidence)
 
     def metres(self) -> NDArray[Any]:
         """Return depth in metres; what is none is 0, below 0 or NaN."""
-        if self.checked is not None:
-            return metres_from_inverse_depth(self.checked.inverse_depth)
+        if self.light is not None:
+            return metres_from_inverse_depth(self.depth)
         metres = self.depth if self.scale == 1 else self.depth * self.scale
         for unknown in (
             is_largest(self.depth) if self.depth.dtype.kind == "u" else None,
@@ -85,19 +63,10 @@ class RawPicture(Arrays):
             metres = metres if unknown is None else np.where(unknown, 0, metres)
         return metres
 
-    def as_checked(self) -> PictureArrays:
-        """Return what checked_picture makes of it. Errors: InputError."""
-        return self.checked or checked_picture(*self.passed)
-
-    def as_sent(self, colour: NDArray[Any], depth: NDArray[Any]) -> RawPicture:
-        """Return the picture with the numbers that the GPU was sent."""
-        masked = np.ma.array(depth, mask=False if self.hidden is None else self.hidden)
-        return attrs.evolve(self, colour=colour, depth=depth, passed=(colour, masked, *self.passed[2:]))
-
 
 def raw_picture(
     colour: ArrayLike, depth_m: ArrayLike, depth_scale: float | None = None, encoding: str | None = None
-) -> RawPicture:
+) -> CallerPicture:
     """Return the picture as it is where the GPU can take it over, else checked_picture of it."""
     masks = [np.ma.getmask(array) for array in (colour, depth_m)]
     try:
@@ -111,9 +80,9 @@ def raw_picture(
     scale: Any = 1.0 if depth_scale is None else depth_scale
     is_real = isinstance(scale, Real) and not isinstance(scale, bool)
     if not (fits and said and is_real and 0 < scale <= 1 and (is_bytes or values.dtype.kind == "f")):
-        return checked_picture(colour, depth_m, depth_scale, encoding).raw()
+        return checked_picture(colour, depth_m, depth_scale, encoding)
     hidden = [np.any(mask, axis=2) if mask.ndim == 3 else mask for mask in masks if mask.any()]
-    return RawPicture(
+    return CallerPicture(
         values,
         SRGB8 if values.dtype == np.uint8 else encoding or LINEAR,
         depth,
@@ -133,27 +102,6 @@ def without_hidden(colour: ArrayLike, view: View) -> ArrayLike:
     return np.ma.array(masked, mask=np.ma.getmaskarray(masked) | ~seen[..., None])
 
 
-def about_corners(picture: RawPicture) -> list[str]:
-    """Return a note on four corners that look like what a lens hides: black, and without depth."""
-    wide, high = picture.size
-    side = max(1, min(wide, high) // 32)
-    least = -np.finfo(np.float64).tiny if picture.is_inverse else 0  # inverse depth 0 is the sky's
-    with np.errstate(invalid="ignore"):
-        known = picture.depth > least
-    upright, across = known[[*range(side), *range(high - side, high)], wide // 2], known[high // 2, [0, -1]]
-    if known.mean() < 0.5 or not (upright.any() and across.any()):  # most is unknown, or a whole rim
-        return []
-    for rows in (slice(side), slice(high - side, high)):
-        for columns in (slice(side), slice(wide - side, wide)):
-            said = picture.hidden is not None and picture.hidden[rows, columns].any()
-            if said or known[rows, columns].any() or picture.colour[rows, columns, :3].any():
-                return []
-    return [
-        "the corners of colour are black and have no depth, as what a lens hides: holes there are filled with what is "
-        "beside them; give the views hidden=Hidden(polygons, fov), which leaves it black"
-    ]
-
-
 def about_holes(share: float, rendered: View, shown: View) -> list[str]:
     """Return a note on a result that hardly anything of the picture is seen in. share: of holes."""
     if share <= _NOTHING:
@@ -170,7 +118,7 @@ def about_holes(share: float, rendered: View, shown: View) -> list[str]:
 
 def checked_picture(
     colour: ArrayLike, depth_m: ArrayLike, depth_scale: float | None = None, encoding: str | None = None
-) -> PictureArrays:
+) -> CallerPicture:
     """Return the picture in linear light and inverse depth.
 
     What a mask hides, in colour or in depth, has neither, nor has a pixel whose alpha is 0; the
@@ -221,7 +169,7 @@ def checked_picture(
     inverse = np.where(unknown, np.nan, inverse_depth_from_metres(metres))
     kind = SRGB8 if colour.dtype == np.uint8 else encoding or LINEAR
     notes = about_largest([depth_m]) if (largest & ~depth_mask).any() else []
-    return PictureArrays(colour, kind, light, inverse, hidden, tuple(notes))
+    return CallerPicture(colour, kind, inverse, is_inverse=True, light=light, colourless=hidden, notes=tuple(notes))
 
 
 def is_one_of(name: object, known: Collection[str]) -> bool:

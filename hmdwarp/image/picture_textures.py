@@ -10,20 +10,19 @@ import moderngl
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..client.effects import effects as every_effect
 from ..client.effects.text import HeldPanel, panel_texture
 from ..colour import linear_from_srgb
 from ..errors import InputError, in_brief
-from ..frames import Needs, Surface
+from ..frames import Needs
 from ..frames.layers import layers
-from ..frames.layers.pictures import BodyIds, Reflection, Reflections, Transparent
-from ..geometry import DepthLayer, Mirror, RigidState
+from ..frames.layers.pictures import BodyIds
+from ..geometry import DepthLayer, RigidState
 from ..geometry.depth import HALF_STEP
 from ..gpu.context import Gpu
-from ..gpu.textures import COLOUR, NUMBER, SCALAR, allocate, release_all, upload
-from ..scenes import Panel, Scene, Texture
+from ..gpu.textures import COLOUR, NUMBER, SCALAR, Owner, allocate, release_all, upload
+from ..scenes import Panel, Texture
 from ..sources.array_passes import LINEAR, SRGB
-from .picture_arrays import ENCODINGS, NO_DEPTH, PictureArrays, checked_picture, is_one_of
+from .picture_arrays import ENCODINGS, is_one_of
 
 Size = tuple[int, int]
 Array = NDArray[Any]
@@ -34,82 +33,78 @@ _MOST = 3.4028234e38  # of a float32
 Pair = tuple[moderngl.Texture, moderngl.Texture]
 
 
-class HeldPicture:
+class HeldPicture(Owner):
     """Colour and inverse depth of one picture, and with a repair how sure the depth is."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], has_confidence: bool) -> None:
-        self.pair = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
+        self.pair = self.own(allocate(gpu.gl, size, COLOUR)), self.own(allocate(gpu.gl, size, SCALAR))
         # rgba16f: confidence in red, coverage in alpha; for a Warper with a repair.
-        self.sure: Any = allocate(gpu.gl, size, COLOUR) if has_confidence else None
+        self.sure: Any = self.own(allocate(gpu.gl, size, COLOUR) if has_confidence else None)
 
     def hold_confidence(self, confidence: NDArray[np.float32]) -> None:
         nothing = np.zeros_like(confidence)
         upload(self.sure, np.stack([confidence, nothing, nothing, confidence > 0], axis=2))
 
-    def close(self) -> None:
-        release_all(*self.pair, *filter(None, [self.sure]))
 
+def converted(
+    gpu: Gpu,
+    size: Size,
+    colour: moderngl.Texture,
+    depth: moderngl.Texture,
+    depth_as: str | DepthLayer,
+    encoding: str,
+    into: Pair,
+) -> Pair:
+    """Return rgba16f linear light with coverage, and r32f inverse depth.
 
-class ForeignTextures:
-    """Converts textures of one size; each conversion is compiled when it is first needed."""
-
-    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        self._gpu, self._size = gpu, size
-
-    def converted(
-        self, colour: moderngl.Texture, depth: moderngl.Texture, depth_as: str | DepthLayer, encoding: str, into: Pair
-    ) -> Pair:
-        """Return rgba16f linear light with coverage, and r32f inverse depth.
-
-        The textures themselves where they are that; else `into`, written by a pass. depth_as,
-        encoding: as Warper.warp_textures. Errors: InputError.
-        """
-        for name, texture in (("colour", colour), ("depth", depth)):
-            if not isinstance(texture, moderngl.Texture):
-                raise InputError(
-                    f"{name} is a {type(texture).__name__}: expected a moderngl.Texture; for an OpenGL id take "
-                    "gpu.gl.external_texture(id, size, components, 0, dtype)"
-                )
-            if texture.size != self._size:
-                wide, high = self._size
-                raise InputError(f"{name} is {texture.width}x{texture.height} pixels: this Warper is for {wide}x{high}")
-        if colour.components != 4:
-            raise InputError(f"colour has {colour.components} components: expected 4, with coverage in alpha")
-        if depth_as is None or not (isinstance(depth_as, DepthLayer) or is_one_of(depth_as, _FORMS)):
-            raise InputError(f"depth_as is {in_brief(depth_as)}: expected {', '.join(_FORMS)} or a hmdwarp.DepthLayer")
-        if encoding is None or not is_one_of(encoding, ENCODINGS):
-            raise InputError(f"encoding is {in_brief(encoding)}: expected {' or '.join(ENCODINGS)}")
-        kinds = [(picture.components, picture.dtype) for picture in (colour, depth)]
-        if kinds == [COLOUR, SCALAR] and depth_as == INVERSE and encoding == LINEAR:
-            return colour, depth
-        form = _OF_BUFFER if isinstance(depth_as, DepthLayer) else _FORMS[depth_as]
-        program = self._gpu.shaders.compute("image/given.comp", ENCODED=int(encoding == SRGB), DEPTH=form)
-        colour.use(0)
-        depth.use(1)
-        into[0].bind_to_image(0, read=False, write=True)
-        into[1].bind_to_image(1, read=False, write=True)
-        program.uniforms.set(given_colour=0, given_depth=1, colour=0, inverse_depth=1, rendered_size=self._size)
-        if isinstance(depth_as, DepthLayer):
-            span = depth_as.max_depth - depth_as.min_depth
-            near, far = 1 / depth_as.near_z, 1 / depth_as.far_z
-            program.uniforms.set(low=depth_as.min_depth, high=depth_as.max_depth, slack=min(HALF_STEP, 0.01 * span))
-            program.uniforms.set(at_least=min(near, _MOST), per_value=(far - near) / span)
-        program.run(*self._size)
-        self._gpu.barrier()
-        return into
+    The textures themselves where they are that; else `into`, written by a pass. depth_as,
+    encoding: as Warper.warp_textures. Errors: InputError.
+    """
+    for name, texture in (("colour", colour), ("depth", depth)):
+        if not isinstance(texture, moderngl.Texture):
+            raise InputError(
+                f"{name} is a {type(texture).__name__}: expected a moderngl.Texture; for an OpenGL id take "
+                "gpu.gl.external_texture(id, size, components, 0, dtype)"
+            )
+        if texture.size != size:
+            wide, high = size
+            raise InputError(f"{name} is {texture.width}x{texture.height} pixels: this Warper is for {wide}x{high}")
+    if colour.components != 4:
+        raise InputError(f"colour has {colour.components} components: expected 4, with coverage in alpha")
+    if depth_as is None or not (isinstance(depth_as, DepthLayer) or is_one_of(depth_as, _FORMS)):
+        raise InputError(f"depth_as is {in_brief(depth_as)}: expected {', '.join(_FORMS)} or a hmdwarp.DepthLayer")
+    if encoding is None or not is_one_of(encoding, ENCODINGS):
+        raise InputError(f"encoding is {in_brief(encoding)}: expected {' or '.join(ENCODINGS)}")
+    kinds = [(picture.components, picture.dtype) for picture in (colour, depth)]
+    if kinds == [COLOUR, SCALAR] and depth_as == INVERSE and encoding == LINEAR:
+        return colour, depth
+    form = _OF_BUFFER if isinstance(depth_as, DepthLayer) else _FORMS[depth_as]
+    program = gpu.shaders.compute("image/given.comp", ENCODED=int(encoding == SRGB), DEPTH=form)
+    colour.use(0)
+    depth.use(1)
+    into[0].bind_to_image(0, read=False, write=True)
+    into[1].bind_to_image(1, read=False, write=True)
+    program.uniforms.set(given_colour=0, given_depth=1, colour=0, inverse_depth=1, rendered_size=size)
+    if isinstance(depth_as, DepthLayer):
+        span = depth_as.max_depth - depth_as.min_depth
+        near, far = 1 / depth_as.near_z, 1 / depth_as.far_z
+        program.uniforms.set(low=depth_as.min_depth, high=depth_as.max_depth, slack=min(HALF_STEP, 0.01 * span))
+        program.uniforms.set(at_least=min(near, _MOST), per_value=(far - near) / span)
+    program.run(*size)
+    gpu.barrier()
+    return into
 
 
 _MOST_BODIES = np.iinfo(np.uint16).max  # numbers on the GPU have 16 bits
 
 
 class HeldLayer:
-    """One layer's textures."""
+    """One layer's texture; of panels, those of their pictures."""
 
-    def __init__(self, gpu: Gpu, name: str, kind: Kind, size: Size, amount: Any) -> None:
+    def __init__(self, gpu: Gpu, name: str, kind: Kind, size: Size) -> None:
         self.gpu, self.name, self.size, self.kind = gpu, name, size, kind
-        self.amount = amount if kind.has_amount else 1
-        self.textures = [allocate(gpu.gl, size, one) for one in kind.kinds * self.amount]
-        self.panels: dict[Texture, moderngl.Texture] = {}  # what panels show, by their pictures
+        self.texture = allocate(gpu.gl, size, kind.texel)
+        self.panels: dict[Texture, moderngl.Texture] = {}
 
     def array(self, what: str, value: ArrayLike, channels: int | None) -> Array:
         """Return finite numbers of the layer's size. Errors: InputError."""
@@ -122,19 +117,6 @@ class HeldLayer:
             raise InputError(f"{named} has NaN or infinite values: expected finite numbers")
         return found
 
-    def share(self, what: str, value: Array) -> Array:
-        """Return numbers of 0 to 1. Errors: InputError."""
-        if value.min() < 0 or value.max() > 1:
-            raise InputError(f"{what} layer '{self.name}' is {value.min():g} to {value.max():g}: expected 0 to 1")
-        return value
-
-    def picture(self, what: str, colour: ArrayLike, depth_m: ArrayLike) -> PictureArrays:
-        """Return colour and depth of the layer's size, as a picture. Errors: InputError."""
-        found = checked_picture(colour, depth_m)
-        if found.size != self.size:
-            raise InputError(f"{what} is {found.size[0]}x{found.size[1]} pixels: expected those of the picture")
-        return found
-
     def parts(self, value: Any, count: int) -> tuple[Any, ...]:
         """Return so many parts of a tuple. Errors: InputError."""
         if not isinstance(value, list | tuple) or len(value) != count:
@@ -143,14 +125,14 @@ class HeldLayer:
 
     def close(self) -> None:
         """Free the textures."""
-        release_all(*self.textures, *self.panels.values())
+        release_all(self.texture, *self.panels.values())
 
 
 def _velocity(layer: HeldLayer, value: Any) -> moderngl.Texture:
     velocity = layer.array("", value, 3)
     moves = (velocity != 0).any(axis=2, keepdims=True)
-    upload(layer.textures[0], np.concatenate([velocity, moves], axis=2).astype(np.float32))
-    return layer.textures[0]
+    upload(layer.texture, np.concatenate([velocity, moves], axis=2).astype(np.float32))
+    return layer.texture
 
 
 def _ids(layer: HeldLayer, value: Any) -> BodyIds:
@@ -165,61 +147,19 @@ def _ids(layer: HeldLayer, value: Any) -> BodyIds:
             f"numbers of layer 'ids' are {numbers.dtype}, {numbers.min()} to {numbers.max()}: expected whole "
             f"numbers of 0 to {len(bodies)}, as there are {len(bodies)} bodies"
         )
-    upload(layer.textures[0], numbers.astype(np.uint16))
-    return BodyIds(layer.textures[0], bodies)
+    upload(layer.texture, numbers.astype(np.uint16))
+    return BodyIds(layer.texture, bodies)
 
 
 def _overlay(layer: HeldLayer, value: Any) -> moderngl.Texture:
     pixels = layer.array("", value, 4)
     is_bytes = pixels.dtype == np.uint8
     light = linear_from_srgb(pixels[..., :3]) if is_bytes else pixels[..., :3]
-    alpha = layer.share("alpha of", pixels[..., 3:] / (255 if is_bytes else 1))
-    upload(layer.textures[0], np.concatenate([light * alpha, alpha], axis=2).astype(np.float32))
-    return layer.textures[0]
-
-
-def _peeled(layer: HeldLayer, value: Any) -> tuple[Surface, ...]:
-    for number, one in enumerate(layer.parts(value, layer.amount)):
-        picture = layer.picture(f"surface {number} of layer 'peeled'", *layer.parts(one, 2))
-        for texture, array in zip(layer.textures[2 * number :], picture.arrays(), strict=False):
-            upload(texture, array)
-    return tuple(map(Surface, layer.textures[::2], layer.textures[1::2]))
-
-
-def _transparent(layer: HeldLayer, value: Any) -> Transparent:
-    light, depth_m, passing = layer.parts(value, 3)
-    light, depth = layer.array("light of ", light, 3), layer.array("depth_m of ", depth_m, None)
-    there = depth > 0
-    passing = np.where(there[..., None], layer.array("passing of ", passing, 3), 1)
-    layer.share("passing of", passing)
-    if depth.min() < 0 or light.min() < 0:
-        raise InputError(
-            f"light of layer 'transparent' is {light.min():g} at least, depth_m {depth.min():g}: expected none below 0"
-        )
-    with np.errstate(divide="ignore"):
-        inverse = np.where(there, 1 / depth, NO_DEPTH)
-    covered = there[..., None].astype(np.float32)
-    added, through = (np.concatenate([light_of, covered], axis=2) for light_of in (light * covered, passing))
-    for texture, array in zip(layer.textures, (added, inverse, through), strict=True):
-        upload(texture, array.astype(np.float32))
-    return Transparent(Surface(*layer.textures[:2]), layer.textures[2])
-
-
-def _reflection(layer: HeldLayer, value: Any) -> Reflection:
-    colour, depth_m, surface, mirrors = layer.parts(value, 4)
-    picture = layer.picture("what layer 'reflection' mirrors", colour, depth_m)
-    surface, mirrors = layer.array("surface of ", surface, 3), tuple(mirrors)
-    layer.share("reflectivity in the surface of", surface[..., 0])
-    if not mirrors or not all(isinstance(mirror, Mirror) for mirror in mirrors):
-        raise InputError("mirrors of layer 'reflection': expected one hmdwarp.geometry.Mirror or more")
-    surface = np.concatenate([surface, np.ones_like(surface[..., :1])], axis=2)  # it covers all of the picture
-    pictures = (*picture.arrays(), surface.astype(np.float32))
-    found = Reflection(Surface(*layer.textures[:2]), layer.textures[2], mirrors)
-    if wrong := Reflections.misfit(pictures, Reflections.numbers(found)):
-        raise InputError(f"layer 'reflection': {wrong}")
-    for texture, array in zip(Reflections.textures(found), pictures, strict=True):
-        upload(texture, array)
-    return found
+    alpha = pixels[..., 3:] / (255 if is_bytes else 1)
+    if alpha.min() < 0 or alpha.max() > 1:
+        raise InputError(f"alpha of layer 'overlay' is {alpha.min():g} to {alpha.max():g}: expected 0 to 1")
+    upload(layer.texture, np.concatenate([light * alpha, alpha], axis=2).astype(np.float32))
+    return layer.texture
 
 
 def _panels(layer: HeldLayer, value: Any) -> tuple[HeldPanel, ...]:
@@ -241,8 +181,7 @@ class Kind:
 
     hold: Callable[[HeldLayer, Any], Any]  # takes arrays over, and returns what passes read; Errors: InputError
     expected: str  # what the caller passes, in words
-    kinds: tuple[tuple[int, str], ...] = (COLOUR,)  # its textures; of a layer with an amount, those of one
-    has_amount: bool = False
+    texel: tuple[int, str] = COLOUR
     is_shown: bool = False  # whether it has the size of the result instead of the picture's
     is_optional: bool = False  # whether a picture may lack it: it is empty then
 
@@ -252,53 +191,36 @@ KNOWN = {
     "ids": Kind(
         _ids,
         "(numbers, bodies): (h, w) whole numbers, 0 for what stands still, n for bodies[n - 1], each a RigidState",
-        (NUMBER,),
+        NUMBER,
     ),
     "overlay": Kind(
         _overlay,
         "(h, w, 4) of the result's size, uint8 sRGB or float linear light, alpha its share of the pixel",
         is_shown=True,
     ),
-    "peeled": Kind(
-        _peeled,
-        "[(colour, depth_m), ..]: the surfaces behind the picture, nearest first, as colour and depth_m",
-        (COLOUR, SCALAR),
-        has_amount=True,
-    ),
-    "transparent": Kind(
-        _transparent,
-        "(light, depth_m, passing): (h, w, 3) linear light that it adds, (h, w) metres with 0 where there is none, and "
-        "(h, w, 3) the share of the light behind that passes",
-        (COLOUR, SCALAR, COLOUR),
-    ),
-    "reflection": Kind(
-        _reflection,
-        "(colour, depth_m, surface, mirrors): the mirrored world as colour and depth_m, along the whole path of the "
-        "light, (h, w, 3) reflectivity straight on with 0 where nothing mirrors and the normal's share along right and "
-        "up of the mirror, and a hmdwarp.geometry.Mirror each",
-        (COLOUR, SCALAR, COLOUR),
-    ),
-    "panels": Kind(_panels, "[hmdwarp.Panel(picture, pose, size_m), ..]", (), is_optional=True),
+    "panels": Kind(_panels, "[hmdwarp.Panel(picture, pose, size_m), ..]", is_optional=True),
 }
 
 
-class CallerLayers:
+class CallerLayers(Owner):
     """The layers that a plan reads and a caller can pass."""
 
     def __init__(self, gpu: Gpu, needs: Needs, rendered_size: Size, shown_size: Size) -> None:
         self._held = {
-            name: HeldLayer(gpu, name, kind, shown_size if kind.is_shown else rendered_size, needs[name])
+            name: self.own(HeldLayer(gpu, name, kind, shown_size if kind.is_shown else rendered_size))
             for name, kind in KNOWN.items()
             if name in needs
         }
 
     def check(self, passed: Mapping[str, Any], who: str) -> None:
         """Check that the layers passed are those that are read. Errors: InputError."""
+        if not isinstance(passed, Mapping):
+            raise InputError(f"layers is of type {type(passed).__name__}: expected a dict of arrays by name")
         for name in passed:
             if name not in KNOWN:
                 why = "is unknown"
                 if name in layers.names():
-                    why = f"({layers.get(name).summary}) comes from a server of our own alone"
+                    why = f"({layers.get(name).summary}) comes from a server or the feed alone"
                 raise InputError(f"layer '{name}' {why}: expected {', '.join(KNOWN)}")
             if name not in self._held:
                 raise InputError(f"layer '{name}': {who} does not read it; leave it out, or name an effect that does")
@@ -309,24 +231,3 @@ class CallerLayers:
     def hold(self, passed: Mapping[str, Any]) -> dict[str, Any]:
         """Return what passes read, by name. Errors: InputError."""
         return {name: held.kind.hold(held, passed.get(name, ())) for name, held in self._held.items()}
-
-    def close(self) -> None:
-        """Free all textures."""
-        for held in self._held.values():
-            held.close()
-
-
-def with_panels(passed: Mapping[str, Any], panels: Any) -> Mapping[str, Any]:
-    """Return the layers with the panels of a call, if it has any."""
-    if not isinstance(passed, Mapping):
-        raise InputError(f"layers is of type {type(passed).__name__}: expected a dict of arrays by name, maybe empty")
-    has_none = panels is None or (isinstance(panels, list | tuple) and not panels)
-    return passed if has_none else {**passed, "panels": panels}
-
-
-def with_panel_effects(effects: str, panels: Any) -> str:
-    """Return the effects with those that lay the panels of a call over its picture."""
-    if not isinstance(panels, list | tuple) or not all(isinstance(panel, Panel) for panel in panels):
-        return effects
-    called_for = every_effect.of(Scene("panels", "", (), panels=panels))
-    return ",".join([*(effects.split(",") if effects != "none" else []), *called_for]) or effects

@@ -14,19 +14,19 @@ from ..client.compensator import Compensator, EyeResult
 from ..client.effects import effects as every_effect
 from ..client.fills import fills
 from ..client.inputs import PassInputs
-from ..client.plan import CLIENT_DEPTH, OTHERS, SHOWN, SHOWN_DEPTH, Plan, build_plan
+from ..client.plan import OTHERS, SHOWN, SHOWN_DEPTH, Plan, build_plan
 from ..client.warps import warps
 from ..errors import InputError, PlanError, in_brief
 from ..frames.layers import PICTURE, readable
 from ..gpu.context import Gpu
-from ..gpu.textures import Canvas
+from ..gpu.textures import Canvas, Owner
 from ..options import AUTO
 from ..pipeline.governor import AdaptiveCompensator, Change, Governor
 from ..pipeline.levels import QualityLevel, best_within, check_budget, front, levels_from, read_rows
 from .picture_textures import KNOWN
 
-# What a caller can pass: pictures with depth, the depth of what is to be shown, and some layers.
-AVAILABLE = (*PICTURE, OTHERS, CLIENT_DEPTH, *map(readable, KNOWN))
+# What a caller can pass: pictures with depth, and some layers.
+AVAILABLE = (*PICTURE, OTHERS, *map(readable, KNOWN))
 
 
 def usable_warps() -> list[str]:
@@ -113,7 +113,7 @@ def plans_of_levels(
     return found
 
 
-class AutoCompensator:
+class AutoCompensator(Owner):
     """Runs the level that the governor chooses; drop-in for a Compensator.
 
     All levels are timed on the first picture: then a budget that nothing fits is an InputError.
@@ -124,7 +124,8 @@ class AutoCompensator:
     ) -> None:
         self.budget_ms = budget_ms
         self._gpu = gpu
-        self._made = {level: Compensator(gpu, plan, None, rendered_size, shown_size) for level, plan in plans.items()}
+        sizes = rendered_size, shown_size
+        self._made = {level: self.own(Compensator(gpu, plan, None, *sizes)) for level, plan in plans.items()}
         self._running: AdaptiveCompensator | None = None
         self._eyes: dict[int, float] = {}  # ms of each since the last refresh
 
@@ -165,8 +166,3 @@ class AutoCompensator:
     def record(self, eye: int, time_ms: Mapping[str, float]) -> None:
         """Note the stage times of a picture. Eyes switch together: when one of them comes again."""
         self._eyes[eye] = sum(ms for stage, ms in time_ms.items() if stage not in _BESIDE)
-
-    def close(self) -> None:
-        """Free every texture and buffer of all levels."""
-        for made in self._made.values():
-            made.close()

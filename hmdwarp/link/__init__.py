@@ -10,11 +10,6 @@ from .link import ResponseTime as ResponseTime
 from .link import Tally as Tally
 from .link import TransitStats as TransitStats
 from .link import figures_of_parts as figures_of_parts
-from .link import response_figures as response_figures
 from .options import CHANGES as CHANGES
-from .options import RESOLUTION as RESOLUTION
-from .options import SCALES as SCALES
+from .options import SUM as SUM
 from .options import LinkOptions as LinkOptions
-from .options import Overload as Overload
-from .options import StageTimes as StageTimes
-from .options import scaled_size as scaled_size

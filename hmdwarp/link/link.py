@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Generic, Self, TypeVar
 
 import attrs
@@ -25,17 +25,13 @@ class TransitStats:
     # 0 for the first frame sent.
     number: int
     sent_ns: int
-    # As the sender declared it.
-    size_bytes: int = 0
+    size_bytes: int = 0  # as the sender declared it
     # Before it was sent; 0 where the latency includes them, like decode_ns.
     render_ns: int = 0
     encode_ns: int = 0
-    # Before the encoder, and before its first bit left.
-    queue_ns: int = 0
-    # From the first bit to the last: its size over the rate.
-    transfer_ns: int = 0
-    # On the network.
-    delay_ns: int = 0
+    queue_ns: int = 0  # before the encoder, and before its first bit left
+    transfer_ns: int = 0  # from the first bit to the last: its size over the rate
+    delay_ns: int = 0  # on the network
     # Until the frames before it arrived and were decoded, where a decoder needs them.
     hold_ns: int = 0
     decode_ns: int = 0
@@ -60,20 +56,14 @@ class Tally:
     drawn = dropped + sent, sent = lost + undecodable + late + superseded + shown + under_way.
     """
 
-    # The queue at the bottleneck was full.
-    dropped: int = 0
-    # On the network.
-    lost: int = 0
-    # Arrived, but a frame that it refers to did not.
-    undecodable: int = 0
-    # Arrived after a newer one was on the screen.
-    late: int = 0
+    dropped: int = 0  # the queue at the bottleneck was full
+    lost: int = 0  # on the network
+    undecodable: int = 0  # arrived, but a frame that it refers to did not
+    late: int = 0  # arrived after a newer one was on the screen
     # By the first refresh that could have shown it, a newer one had arrived too.
     superseded: int = 0
-    # Each once, however many refreshes it stayed.
-    shown: int = 0
-    # Still in transit at the last refresh.
-    under_way: int = 0
+    shown: int = 0  # each once, however many refreshes it stayed
+    under_way: int = 0  # still in transit at the last refresh
 
     def as_dict(self) -> dict[str, int]:
         """Return the counts for summary.json.
@@ -97,10 +87,8 @@ class ResponseTime:
     # Measured work for both eyes, like encode, decode and warp.
     render_ms: float = 0.0
     encode_ms: float = 0.0
-    # Waiting for earlier frames, at the bottleneck or for the decoder.
-    queue_ms: float = 0.0
-    # Size over bandwidth.
-    transfer_ms: float = 0.0
+    queue_ms: float = 0.0  # waiting for earlier frames, at the bottleneck or for the decoder
+    transfer_ms: float = 0.0  # size over bandwidth
     # The network's delay from the request for a frame to its arrival, without what its size adds.
     round_trip_ms: float = 0.0
     decode_ms: float = 0.0
@@ -123,17 +111,13 @@ class ResponseTime:
         return attrs.asdict(self)
 
 
-def response_figures(times: Sequence[ResponseTime]) -> dict[str, float] | None:
+def figures_of_parts(rows: ArrayLike) -> dict[str, float] | None:
     """Return the figures of frames' response times; None where no frame was shown.
 
-    The mean of each part and total_ms, the mean of the sums: the parts add up to it. Beside them
-    median_ms and p95_ms of the sums, which those of the parts would not add up to.
+    rows: of ResponseTime.parts. The mean of each part and total_ms, the mean of the sums: the parts
+    add up to it. Beside them median_ms and p95_ms of the sums, which those of the parts would not
+    add up to.
     """
-    return figures_of_parts([list(time.parts().values()) for time in times])
-
-
-def figures_of_parts(rows: ArrayLike) -> dict[str, float] | None:
-    """Return response_figures of rows with the parts in their order."""
     import numpy as np
 
     table = np.asarray(rows, dtype=np.float64)
@@ -352,8 +336,7 @@ class Bandwidth:
     A frame that meets a free bottleneck is never dropped, whatever its size.
     """
 
-    # Rate in Mbit/s (1e6 bits).
-    mbit: float
+    mbit: float  # rate in Mbit/s (1e6 bits)
     # A frame that would wait longer than this before its first bit leaves is dropped.
     queue_ms: float = QUEUE_MS
 
@@ -422,10 +405,8 @@ class GilbertElliott:
     for codes on burst-noise channels.
     """
 
-    # Probability of good to bad after a frame.
-    p: float
-    # Probability of bad to good after a frame: a bad state lasts 1/r frames on average.
-    r: float
+    p: float  # probability of good to bad after a frame
+    r: float  # probability of bad to good after a frame: a bad state lasts 1/r frames on average
     # Share of frames lost in each state.
     good: float = 0.0
     bad: float = 1.0

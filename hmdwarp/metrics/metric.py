@@ -165,10 +165,6 @@ class Metric:
         """Return the figure over the seen pixels, of one over all with hidden ones alike."""
         return value if value is None or share == 1 else min(self.of_seen_share(value, share), self.most)
 
-    def of_all(self, value: float | None, share: float) -> float | None:
-        """Return the figure over all pixels; the inverse of of_seen."""
-        return self.of_seen(value, 1 / share)
-
     @property
     def scale(self) -> float:
         """Factor from the stored number to the written one."""

@@ -13,7 +13,6 @@ from .proxy import source_of as source_of
 from .sizes import build_plan_for as build_plan_for
 from .sizes import eye_sizes as eye_sizes
 from .sizes import frame_weight as frame_weight
-from .sizes import guard_notes as guard_notes
 from .sizes import guarded_size as guarded_size
 from .sizes import plans_for as plans_for
 from .source import PoseRequest as PoseRequest

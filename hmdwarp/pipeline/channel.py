@@ -10,7 +10,6 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from itertools import product
 from statistics import median
 from typing import TYPE_CHECKING, Any, Self
 
@@ -24,10 +23,10 @@ from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import BRIGHT_VIDEO, DEPTH, VECTORS, VIDEO, Layer, layers
 from ..geometry import Fov, View, WarpMap
 from ..gpu.textures import download, upload
-from ..link import SCALES, Link, LinkOptions, Pacer, TransitStats, codec
+from ..link import SUM, Link, LinkOptions, Pacer, TransitStats, codec
 from ..link.codec import Coding, Packet, Undecodable
 from ..metrics import psnr
-from ..scenes import Mesh, Scene
+from ..scenes import Scene
 from ..sources.feed.message import request_bytes
 
 if TYPE_CHECKING:
@@ -85,10 +84,8 @@ Content = NDArray[Any]
 class _Stream:
     """One texture or array of every frame, coded in the order of drawing."""
 
-    # Given whether the packet must need none before it.
-    encode: Callable[[Content, bool], Packet]
-    # Errors: Undecodable.
-    decode: Callable[[Packet], Content]
+    encode: Callable[[Content, bool], Packet]  # given whether the packet must need none before it
+    decode: Callable[[Packet], Content]  # Errors: Undecodable
 
     @classmethod
     def of_each(cls, pack: Callable[[Content], bytes], unpack: Callable[[bytes], Content]) -> _Stream:
@@ -101,8 +98,7 @@ class CodedFrame:
     """A frame in transit."""
 
     frame: Frame
-    # Empty where nothing is encoded.
-    packets: Mapping[Key, Packet] = attrs.field(factory=dict)
+    packets: Mapping[Key, Packet] = attrs.field(factory=dict)  # empty where nothing is encoded
     # The packets that the client's plan reads; others are for plans that are compared with it.
     counted: frozenset[Key] = frozenset()
     # What decoded content is written over.
@@ -124,9 +120,7 @@ class CodedFrame:
 
 
 class Coder:
-    """The streams of a run, one for each texture or array and each size of frame.
-
-    Each is opened by its first frame.
+    """The streams of a run, one for each texture or array, opened by its first frame.
 
     How a layer is coded says its declaration in frames.layers. A bit rate is shared by the videos
     of an eye, by their pixels; depth takes what its code needs beside it.
@@ -136,9 +130,7 @@ class Coder:
 
     def __init__(self, coding: Coding, rate_hz: float, age_s: float) -> None:
         self._coding, self._rate_hz, self._age_s = coding, rate_hz, age_s
-        # By the size of the frame.
-        self._streams: dict[tuple[int, int], dict[Key, _Stream]] = {}
-        self._last_size = (0, 0)
+        self._streams: dict[Key, _Stream] = {}
         self._encoded = 0
         self._encode_ms, self._decode_ms, self._lost_db = (deque[float](maxlen=_KEPT) for _ in range(3))
 
@@ -156,15 +148,12 @@ class Coder:
         parts = _parts(frame, reads | beside if beside is not None else reads)
         drawn = {key: into if isinstance(into, np.ndarray) else download(into) for key, (into, _) in parts.items()}
         pixels = {key: drawn[key].size if coding in _VIDEOS else 0 for key, (_, coding) in parts.items()}
-        size, step = frame.eyes[0].size, codec.STEP
-        streams = self._streams.setdefault(size, {})
+        streams, step = self._streams, codec.STEP
         if self._coding.depth != codec.EXACT:
             step = codec.depth_step(pixels_per_tangent((eye.view.fov, eye.size) for eye in frame.eyes), self._age_s)
         for key in parts.keys() - streams.keys():
             of_eye = sum(count for other, count in pixels.items() if other[0] == key[0])
             streams[key] = self._stream(drawn[key], parts[key][1], pixels[key] / max(of_eye, 1), step)
-        # A stream that was left for another size begins anew.
-        wants_key, self._last_size = wants_key or size != self._last_size, size
         packets, took_ms = {}, 0.0
         for key, content in drawn.items():
             started = time.perf_counter_ns()
@@ -183,12 +172,12 @@ class Coder:
     def receive(self, coded: CodedFrame) -> bool:
         """Decode into the frame's own textures; return False if the frame cannot be decoded."""
         arrived: dict[Key, Content] = {}
-        streams, took_ms = self._streams[coded.frame.eyes[0].size], 0.0
+        took_ms = 0.0
         for key, packet in coded.packets.items():
             started = time.perf_counter_ns()
             # Each stream gets its packet, whatever has become of the others.
             with suppress(Undecodable):
-                arrived[key] = streams[key].decode(packet)
+                arrived[key] = self._streams[key].decode(packet)
             took_ms += (time.perf_counter_ns() - started) * 1e-6 if key in coded.counted else 0
         if len(arrived) < len(coded.packets):
             return False
@@ -252,19 +241,14 @@ def pixels_per_tangent(pictures: Iterable[tuple[Fov, tuple[int, int]]]) -> float
 SEEN_PX = 0.5
 # A row and a column of the picture where the head's motion is looked at, its sides among them.
 _LINES = 17
-# A body that comes closer to an eye than this counts as near without bound.
-_NEAREST_M = 0.01
-
-Points = NDArray[np.float64]
 
 
 class Changes:
     """Bound how far anything has moved on the screen since the last frame that was sent.
 
     The head's motion is that of the warp map, for points infinitely far and as near as the nearest
-    in the frame. To it comes the largest motion of a body or of a deforming mesh, wherever it is.
-    Whatever else changes the picture counts without bound: light of lamps that have moved, the
-    light that a body stops, another recorded frame.
+    in the frame. Whatever else changes the picture counts without bound: bodies and meshes that
+    have moved, light of lamps, the light that a body stops, panels, another recorded frame.
 
     content: tells what a renderer without a scene shows at an instant from what it shows at others.
     """
@@ -272,11 +256,9 @@ class Changes:
     def __init__(self, scene: Scene, content: Callable[[int], object] = lambda time_ns: None) -> None:
         self._scene, self._content = scene, content
         self._stops_light = sorted({mesh.body for mesh in scene.meshes if mesh.light_uv is not None} - {0})
-        moving = [mesh for mesh in scene.meshes if not mesh.material.head_locked]
-        self._movers = [
-            _corners(scene, number, moving) for number in dict.fromkeys(mesh.body for mesh in moving) if number
-        ]
-        self._movers += [_vertices(mesh, scene.origin_m) for mesh in moving if mesh.deformation is not None]
+        shown = [mesh for mesh in scene.meshes if not mesh.material.head_locked]
+        self._moving = sorted({mesh.body for mesh in shown} - {0})
+        self._soft = [mesh.deformation for mesh in shown if mesh.deformation is not None]
         # Each eye with the largest inverse depth in its layers, and when that was drawn.
         self._sent: list[tuple[EyeImage, float]] = []
         self._drawn_ns = 0
@@ -294,74 +276,28 @@ class Changes:
 
         In pixels of the frame that was sent.
         """
-        if len(views) != len(self._sent):
-            return math.inf
-        then_ns = self._drawn_ns
-        seen = (self._content, self.light_at, lambda time_ns: [each.showing(time_ns) for each in self._scene.panels])
-        if any(at(then_ns) != at(now_ns) for at in seen):
+        if len(views) != len(self._sent) or self.state_at(self._drawn_ns) != self.state_at(now_ns):
             return math.inf
         moved = 0.0
         for (eye, nearest), view in zip(self._sent, views, strict=True):
-            places = (eye.view.pose.position_m, view.pose.position_m)
-            angles = (_moved_rad(points(then_ns), points(now_ns), places) for points in self._movers)
-            left, right, down, up = eye.view.fov.tangents
-            per_tangent = max(eye.size[0] / (right - left), eye.size[1] / (up - down))
-            # An angle covers most pixels in a corner of the picture, towards its middle.
-            per_rad = float(per_tangent * (1 + max(left * left, right * right) + max(down * down, up * up)))
-            moved = max(moved, _by_head(eye, view, nearest) + max(angles, default=0.0) * per_rad)
+            by_head = WarpMap.between(eye.view, eye.size, View(view.pose, eye.view.fov), eye.size)
+            pixels = np.stack(np.meshgrid(*(np.linspace(0.0, side, _LINES) for side in eye.size)), axis=-1)
+            for depth in (0.0, nearest):
+                end = by_head.apply(pixels, np.full(pixels.shape[:2], depth))[0]
+                far = float(np.linalg.norm(end - pixels, axis=-1).max())
+                moved = max(moved, far if math.isfinite(far) else math.inf)
         return moved
 
-    def light_at(self, time_ns: int) -> object:
-        """Return what tells the light of an instant from that of others; None where it is baked."""
-        if not self._scene.lamps:
-            return None
-        lit_ns = self._scene.lit_ns(time_ns)
-        return (
-            tuple((*lamp.place(lit_ns), *lamp.fading(lit_ns), *lamp.light(lit_ns)) for lamp in self._scene.lamps),
-            tuple(self._scene.bodies[number - 1].lit_as(lit_ns) for number in self._stops_light),
-        )
-
-
-# What moves by itself: (n, 3) points in the world at an instant. No other of its points moves
-# farther, or lies outside the box around them.
-Mover = Callable[[int], Points]
-
-
-def _corners(scene: Scene, number: int, meshes: Sequence[Mesh]) -> Mover:
-    """Return those of a body's box: a rigid motion moves no point of it farther."""
-    body = scene.bodies[number - 1]
-    positions = np.concatenate([mesh.positions for mesh in meshes if mesh.body == number]).astype(np.float64)
-    ends = zip(positions.min(axis=0), positions.max(axis=0), strict=True)
-    corners = np.array([(*corner, 1.0) for corner in product(*ends)])
-    return lambda time_ns: (corners @ body.motion.state(time_ns).pose.matrix().T)[:, :3]
-
-
-def _vertices(mesh: Mesh, origin_m: Points) -> Mover:
-    deformation = mesh.deformation
-    assert deformation is not None
-    return lambda time_ns: np.asarray(deformation.positions(time_ns), np.float64) + origin_m
-
-
-def _moved_rad(then: Points, now: Points, places: Sequence[Points]) -> float:
-    """Return a bound on the angle by which a point has moved, seen from any of the places."""
-    far_m = float(np.linalg.norm(now - then, axis=1).max(initial=0.0))
-    if not far_m:
-        return 0.0
-    near_m = math.inf
-    for low, high in ((points.min(axis=0), points.max(axis=0)) for points in (then, now)):
-        # To the sphere around the box around the points.
-        middle, radius_m = (low + high) / 2, np.linalg.norm(high - low) / 2
-        near_m = min(near_m, *(float(np.linalg.norm(place - middle) - radius_m) for place in places))
-    return far_m / near_m if near_m > _NEAREST_M else math.inf
-
-
-def _by_head(eye: EyeImage, view: View, nearest: float) -> float:
-    moved = WarpMap.between(eye.view, eye.size, View(view.pose, eye.view.fov), eye.size)
-    x, y = (np.linspace(0.0, side, _LINES) for side in eye.size)
-    pixels = np.stack(np.meshgrid(x, y), axis=-1)
-    ends = [moved.apply(pixels, np.full(pixels.shape[:2], depth))[0] for depth in (0.0, nearest)]
-    far = max(float(np.linalg.norm(end - pixels, axis=-1).max()) for end in ends)
-    return far if math.isfinite(far) else math.inf
+    def state_at(self, time_ns: int) -> tuple[object, ...]:
+        """Return what tells an instant of the scene from those that look otherwise."""
+        scene = self._scene
+        poses = [scene.bodies[number - 1].motion.state(time_ns).pose for number in self._moving]
+        soft = [np.asarray(each.positions(time_ns)).tobytes() for each in self._soft]
+        panels = [each.showing(time_ns) for each in scene.panels]
+        lit_ns = scene.lit_ns(time_ns) if scene.lamps else 0  # else all light is baked
+        lamps = [(*lamp.place(lit_ns), *lamp.fading(lit_ns), *lamp.light(lit_ns)) for lamp in scene.lamps]
+        stopped = [scene.bodies[number - 1].lit_as(lit_ns) for number in self._stops_light if scene.lamps]
+        return self._content(time_ns), poses, soft, panels, lamps, stopped
 
 
 @attrs.frozen(eq=False)
@@ -370,12 +306,9 @@ class ChannelSetup:
 
     network: LinkOptions
     latency_ns: int
-    # Refresh rate of the display.
-    rate_hz: float
-    # None for frames that arrive as drawn.
-    coder: Coder | None = None
-    # What the client reads of a frame; no other layer is coded or counted.
-    reads: Reads = Reads()
+    rate_hz: float  # refresh rate of the display
+    coder: Coder | None = None  # None for frames that arrive as drawn
+    reads: Reads = Reads()  # what the client reads of a frame; no other layer is coded or counted
     # Called with each frame that the client used and no longer needs.
     offer: Callable[[Frame], None] = lambda frame: None  # noqa: E731
     # Called with a frame, whether it arrived, and when the sender hears of it.
@@ -399,15 +332,9 @@ class Channel:
         self._reads, self._beside = setup.reads, Reads()
         self.latency_ns = setup.latency_ns
         self._pacer = Pacer(network.server_rate_hz, rate_hz)
-        self._stages = network.response
-        # When the server can draw again, and how long the last frame was decoded.
-        self._free_ns: int | None = None
-        self._decode_ns = 0
-        self._overload = network.overload_at(rate_hz)
-        # Of the last frame: its scale, its share of the pixels of a full one, its slowest stage.
-        self._sent_scale, self._share, self._slowest_ns = 1.0, 1.0, 0
-        self._full_pixels = 0
-        self._scales: Counter[float] = Counter()
+        # Whether stages delay a frame; how long the last one was decoded; and when the server can
+        # draw again.
+        self._sums, self._decode_ns, self._free_ns = network.response == SUM, 0, -math.inf
         self._refreshes = self._frames = self._skipped = self._unchanged = self._eyes = 0
         self._bytes = Counter[str]()
         self._weights: dict[object, Counter[str]] = {}  # of frames that have pictures alone
@@ -446,34 +373,21 @@ class Channel:
 
     def is_busy(self, now_ns: int) -> bool:
         """Return whether the server cannot draw at this instant, which is counted."""
-        if self._free_ns is None or now_ns >= self._free_ns:
-            return False
-        self._skipped += 1
-        if self._overload is not None:
-            self._overload.lower(now_ns, self._free_ns - now_ns)
-        return True
-
-    @property
-    def scale(self) -> float:
-        """The share of the full width and height that the next frame should have."""
-        return self._overload.scale if self._overload is not None else 1.0
+        is_busy = self._sums and now_ns < self._free_ns
+        self._skipped += is_busy
+        return is_busy
 
     def has_to_send(self, now_ns: int) -> bool:
-        """Return whether a frame is wanted even if nothing moved: one is missing, or too coarse."""
-        return self.link.needs_key(now_ns) or self.scale > self._sent_scale
+        """Return whether a frame is wanted even if nothing moved: one is missing."""
+        return self.link.needs_key(now_ns)
 
     def leave_out(self, now_ns: int) -> None:
         """Count a frame that was not drawn, because nothing would have changed."""
         self._unchanged += 1
-        if self._overload is not None:
-            self._overload.sent(now_ns, 0, self._slowest_ns)
 
     def send(self, frame: Frame, now_ns: int) -> None:
         """Send a frame from the server."""
-        self._eyes, (width, height) = len(frame.eyes), frame.eyes[0].size
-        self._full_pixels = self._full_pixels or width * height  # the first is a full one
-        self._share, self._sent_scale = width * height / self._full_pixels, self.scale
-        self._scales[self._sent_scale] += 1
+        self._eyes = len(frame.eyes)
         if self._coder is None:
             coded, sizes = CodedFrame(frame), self._uncoded_bytes(frame)
         else:
@@ -483,18 +397,10 @@ class Channel:
         self._frames += 1
         self._bytes.update(sizes)
         render_ns = encode_ns = 0
-        if self._stages is not None:  # they delay the frame, and keep the server busy
-            took = frame.timings_ms
-            took["render"] = frame.render_ms if self._stages.render is None else 0.0
-            render_ns, encode_ns, decode_ns = self._stages.taken_ns(took, self._share)
-            took |= {"render": render_ns * 1e-6, "encode": encode_ns * 1e-6}
-            if self._stages.decode is not None:
-                self._decode_ns = decode_ns
+        if self._sums:  # they delay the frame, and keep the server busy
+            render_ns, encode_ns = (round(ms * 1e6) for ms in (frame.render_ms, frame.timings_ms.get("encode", 0.0)))
             self._free_ns = now_ns + max(render_ns, encode_ns, self._decode_ns)
-        transit = self.link.send(coded, now_ns, sizes.total(), coded.is_key, render_ns, encode_ns)
-        self._slowest_ns = max(render_ns, encode_ns, self._decode_ns, transit.transfer_ns)
-        if self._overload is not None:
-            self._overload.sent(now_ns, transit.queue_ns, self._slowest_ns)
+        self.link.send(coded, now_ns, sizes.total(), coded.is_key, render_ns, encode_ns)
 
     def _uncoded_bytes(self, frame: Frame) -> Counter[str]:
         """Return what a frame weighs that goes as it was drawn, by layer."""
@@ -513,11 +419,7 @@ class Channel:
 
     def _decoding(self, coded: CodedFrame) -> int:
         """Return how long decoding delays a frame that was received."""
-        if self._stages is None:
-            return 0
-        took, (width, height) = coded.frame.timings_ms, coded.frame.eyes[0].size
-        *_, self._decode_ns = self._stages.taken_ns(took, width * height / self._full_pixels)
-        took["decode"] = self._decode_ns * 1e-6
+        self._decode_ns = round(coded.frame.timings_ms.get("decode", 0.0) * 1e6) if self._sums else 0
         return self._decode_ns
 
     def newest(self, now_ns: int) -> Frame | None:
@@ -540,16 +442,13 @@ class Channel:
         rate_hz: refreshes per second.
         """
         megabits = 8 * rate_hz / 1e6 / max(self._refreshes, 1)
-        scales = {f"{scale:g}": self._scales[scale] for scale in SCALES}
         return {
             "frames": self.fates(),
-            **({"stages_ms": attrs.asdict(self._stages)} if self._stages is not None else {}),
             "mbit_s": self._bytes.total() * megabits,
             "layers_mbit_s": {name: count * megabits for name, count in self._bytes.most_common()},
             "frame_bytes": self._bytes.total() / max(self._frames, 1),
             # What asks for a frame, or finds that nothing has changed, as the feed writes it.
             "up_mbit_s": (self._frames + self._unchanged) * request_bytes(self._eyes) * megabits,
-            **({} if self._overload is None else {"resolution": {"frames": scales, "changes": self._overload.changes}}),
             **(self._coder.summary() if self._coder is not None else {"codec": "none"}),
             **({"proxy": self.before(rate_hz)} if self.before is not None else {}),
         }

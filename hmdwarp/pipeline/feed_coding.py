@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -329,9 +329,7 @@ def made(server: Renderer, eyes: Sequence[EyeImage], parts: Sequence[Layers], wa
 
 # The layer of frames whose picture is light alone; its table may have how far that reaches.
 LIGHT = "light"
-_CODECS = {message.H264: "h264", message.HEVC: "hevc", message.VP9: "vp9", message.AV1: "av1"}
-_RAW_COLOURS = {message.RGBA16F: "float16", message.RGBA8: "srgb8"}
-_RAW_DEPTHS = {message.INVERSE_DEPTH: "float32", message.DEPTH_CODES: "uint16"}
+CODECS = {message.H264: "h264", message.HEVC: "hevc", message.VP9: "vp9", message.AV1: "av1"}
 # What `bounds.CODED` counts a pixel for, by format of colour and of depth; and the bytes that an
 # encoder keeps of one, FFV1's too.
 _WORK = (
@@ -342,7 +340,7 @@ _BYTES = (
     {message.H264: 20, message.HEVC: 55, message.VP9: 90, message.AV1: 55},
     {message.DEPTH_VIDEO: 65, message.DEPTH_VIDEO8: 65, message.DEPTH_EXACT: 40},
 )
-_FORMATS = {name: number for number, name in _CODECS.items()}
+_FORMATS = {name: number for number, name in CODECS.items()}
 _DEPTHS = {codec.AS_VIDEO: message.DEPTH_VIDEO, codec.AS_VIDEO8: message.DEPTH_VIDEO8}
 _VIDEOS = {number: codec.DEPTH_VIDEOS[name] for name, number in _DEPTHS.items()}
 
@@ -372,15 +370,6 @@ def wish_of(
     )
 
 
-def reading(wish: Wish, pictures: Collection[str]) -> Wish:
-    """Return the wish without what nothing reads. pictures: as of PoseRequest."""
-    colour, depth = (
-        kind if name in pictures else message.NONE
-        for name, kind in zip(PICTURE, (wish.colour, wish.depth), strict=True)
-    )
-    return attrs.evolve(wish, colour=colour, depth=depth)
-
-
 def left_out(frame: FrameMessage, eye: int) -> frozenset[str]:
     """Return which pictures of a decoded frame did not come, by readable name."""
     both = zip(PICTURE, (frame.colours[eye], frame.inverse_depths[eye]), strict=True)
@@ -400,17 +389,6 @@ def arrays_of(frame: FrameMessage, eye: int, size: tuple[int, int], missing: Col
     return Arrays(colour, encoding, codes, step, is_inverse=True, is_apart=True)
 
 
-def raw_form(frame: FrameMessage, before: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what summary.json says of raw frames: types, and the largest error of depth in 1/m.
-
-    before: what it said after the frame before; {} for a coded frame, and the first.
-    """
-    if frame.is_coded:
-        return {}
-    error = max(before.get("depth_error", 0.0), depth_error(frame, Wish()))
-    return {"colour": _RAW_COLOURS[frame.colour], "depth": _RAW_DEPTHS[frame.depth], "depth_error": error}
-
-
 def depth_error(frame: FrameMessage, wish: Wish) -> float:
     """Return by how much coded depth may be wrong, in 1/m: as for frames that are coded here."""
     if frame.depth == message.DEPTH_CODES:
@@ -420,14 +398,9 @@ def depth_error(frame: FrameMessage, wish: Wish) -> float:
     )
 
 
-def codec_of(colour: int) -> str:
-    """Return the name of the codec of a format of colour."""
-    return _CODECS.get(colour, "none")
-
-
 def codes_video(form: int, *, of_depth: bool = False) -> bool:
     """Return whether pictures of a format need those before them."""
-    return form in (_VIDEOS if of_depth else _CODECS)
+    return form in (_VIDEOS if of_depth else CODECS)
 
 
 def check_work(ask: Ask) -> None:
@@ -492,8 +465,8 @@ class _EyeEncoder:
     def __init__(self, wish: Wish, size: tuple[int, int]) -> None:
         self._colour: codec.ColourEncoder | None = None
         self._depth: codec.DepthVideoEncoder | codec.DepthEncoder | None = None
-        if wish.colour in _CODECS:
-            how, mbit = codec.codecs.get(_CODECS[wish.colour]), wish.bitrate_mbit or None
+        if wish.colour in CODECS:
+            how, mbit = codec.codecs.get(CODECS[wish.colour]), wish.bitrate_mbit or None
             self._colour = codec.ColourEncoder(how, size, wish.rate_hz, wish.crf, mbit)
         step = wish.depth_step or codec.STEP
         if wish.depth in _VIDEOS:
@@ -566,9 +539,7 @@ class FeedDecoder:
 class _EyeDecoder:
     def __init__(self, frame: FrameMessage) -> None:
         self._colour = (
-            codec.ColourDecoder(codec.codecs.get(_CODECS[frame.colour]), frame.size)
-            if frame.colour in _CODECS
-            else None
+            codec.ColourDecoder(codec.codecs.get(CODECS[frame.colour]), frame.size) if frame.colour in CODECS else None
         )
         self._video = codec.DepthVideoDecoder(frame.size, _VIDEOS[frame.depth]) if frame.depth in _VIDEOS else None
         self._depth = codec.DepthDecoder(frame.size)

@@ -35,9 +35,6 @@ TRIAL = 240  # a move up has failed if the level drops again within so many refr
 # Both grow by this factor with each failure: attempts at 60, 240, 960, 3840 refreshes, six in an
 # hour at 60 Hz.
 BACK_OFF = 4
-# A level's time measured in this run overrides the benchmark if it is below it by this factor: two
-# medians of noise differ by less.
-DOUBT = 0.85
 SETTLING = 2  # refreshes to ignore after a switch, which disturbs their times
 
 
@@ -49,18 +46,14 @@ class Change:
     refresh: int
     before: QualityLevel
     after: QualityLevel
-    # The reason, in words with figures.
-    reason: str
+    reason: str  # the reason, in words with figures
 
 
 @attrs.define(eq=False)
 class _Stay:
     """Evidence since the last switch."""
 
-    # For how many refreshes each level has had headroom.
-    room: list[int]
-    # The previous level and its time when it was left; None once that is recorded.
-    came: tuple[int, float] | None = None
+    room: list[int]  # for how many refreshes each level has had headroom
     # First refresh at the level.
     arrived: int = 0
     climbed: bool = False
@@ -79,10 +72,7 @@ class Governor:
     Down: as soon as there is enough evidence that the time exceeds the budget, to the most accurate
     level that is expected to fit. Up: when a better level has been expected within 95 % of the
     budget for a while; each failed attempt makes that wait four times as long. The time expected of
-    a level is that of the current one, times the ratio of the two by the benchmark, or by what this
-    run has measured of both. A move down uses the worse of the two, to be safe; a move up uses the
-    benchmark unless the measurement is clearly better, so that one bad moment does not count for
-    ever.
+    a level is that of the current one, times the ratio of the two by the benchmark.
     Source: evidence by cumulative sums: Page, E. S. (1954), Continuous inspection schemes,
     Biometrika 41, eq. 1.
     Errors: InputError for a budget in which no level fits; HmdwarpError for empty or unsorted
@@ -103,8 +93,6 @@ class Governor:
         self.levels, self.budget_ms = tuple(levels), float(budget_ms)
         self._at = best_within(self.levels, budget_ms)
         self._refresh = -1
-        # Times seen in this run, up to one common factor.
-        self._own = {self._at: self.level.total_ms}
         self._failures = [0] * len(self.levels)
         self._stay = _Stay([0] * len(self.levels))
 
@@ -136,9 +124,8 @@ class Governor:
         return self._up(median(stay.window)) if len(stay.window) == WINDOW else None
 
     def _down(self, time_ms: float) -> Change:
-        self._learn(time_ms)
-        fits = [k for k in range(self._at) if max(self._expected(k, time_ms)) <= self.budget_ms]
-        to = fits[-1] if fits else 0
+        expected = self._expected(time_ms)
+        to = max((k for k in range(self._at) if expected[k] <= self.budget_ms), default=0)
         if self._stay.climbed:
             # A move up that soon led down has failed, of dearer levels too; one that lasted
             # cancels one failure.
@@ -147,17 +134,16 @@ class Governor:
                 self._failures[self._at] = max(0, failures - 1)
             else:
                 self._failures[self._at :] = [max(failures + 1, f) for f in self._failures[self._at :]]
-        expected = max(self._expected(to, time_ms))
-        fate = f"{self.levels[to]} is expected to take {expected:.2f} ms" + ("" if fits else ", the least there is")
+        fate = f"{self.levels[to]} is expected to take {expected[to]:.2f} ms"
+        fate += ", the least there is" if expected[to] > self.budget_ms else ""
         return self._change(
-            to, time_ms, f"{self.level} takes {time_ms:.2f} ms, over the budget of {self.budget_ms:g} ms; {fate}"
+            to, f"{self.level} takes {time_ms:.2f} ms, over the budget of {self.budget_ms:g} ms; {fate}"
         )
 
     def _up(self, time_ms: float) -> Change | None:
-        self._learn(time_ms)
-        room, ready = self._stay.room, []
+        room, expected, ready = self._stay.room, self._expected(time_ms), []
         for k in range(self._at + 1, len(self.levels)):
-            room[k] = room[k] + 1 if self._hoped(k, time_ms) <= MARGIN * self.budget_ms else 0
+            room[k] = room[k] + 1 if expected[k] <= MARGIN * self.budget_ms else 0
             if room[k] >= PATIENCE * BACK_OFF ** self._failures[k]:
                 ready.append(k)
         if not ready:
@@ -165,35 +151,17 @@ class Governor:
         to = ready[-1]
         reason = (
             f"{self.level} takes {time_ms:.2f} ms, and for {room[to]} refreshes {self.levels[to]} has been expected "
-            f"within {MARGIN:.0%} of the budget of {self.budget_ms:g} ms, now to take {self._hoped(to, time_ms):.2f} ms"
+            f"within {MARGIN:.0%} of the budget of {self.budget_ms:g} ms, now to take {expected[to]:.2f} ms"
         )
-        return self._change(to, time_ms, reason)
+        return self._change(to, reason)
 
-    def _expected(self, k: int, time_ms: float) -> tuple[float, float]:
-        """Return the expected time of level k now: by the benchmark, and by this run's times."""
-        by_bench = time_ms * self.levels[k].total_ms / self.levels[self._at].total_ms
-        if not {k, self._at} <= self._own.keys():
-            return by_bench, by_bench
-        return by_bench, time_ms * self._own[k] / self._own[self._at]
+    def _expected(self, time_ms: float) -> list[float]:
+        """Return the time that each level is expected to take now."""
+        return [time_ms * level.total_ms / self.level.total_ms for level in self.levels]
 
-    def _hoped(self, k: int, time_ms: float) -> float:
-        by_bench, by_run = self._expected(k, time_ms)
-        return by_run if by_run < DOUBT * by_bench else by_bench
-
-    def _learn(self, time_ms: float) -> None:
-        """Measure the ratio to the previous level, once for each stay.
-
-        The machine's state was the same a moment ago.
-        """
-        if self._stay.came is not None:
-            before, its_ms = self._stay.came
-            if its_ms > 0 and time_ms > 0:
-                self._own[self._at] = self._own[before] * time_ms / its_ms
-            self._stay.came = None
-
-    def _change(self, to: int, time_ms: float, reason: str) -> Change:
+    def _change(self, to: int, reason: str) -> Change:
         change = Change(self._refresh, self.level, self.levels[to], reason)
-        self._stay = _Stay([0] * len(self.levels), (self._at, time_ms), self._refresh + 1, climbed=to > self._at)
+        self._stay = _Stay([0] * len(self.levels), self._refresh + 1, climbed=to > self._at)
         self._at = to
         return change
 

@@ -31,8 +31,7 @@ class QualityLevel:
     # A registered name with its settings, as --warp takes it.
     warp: str
     fill: str
-    # Per eye.
-    total_ms: float
+    total_ms: float  # per eye
     # Mean FLIP; 0 is perfect.
     error: float
     psnr_db: float | None = None

@@ -105,7 +105,7 @@ class Loop:
         self._draw(self._requested.for_server(now_ns), now_ns)
 
     def _draw(self, head: PoseSample, now_ns: int) -> None:
-        frame = self.source.draw(head, now_ns, self._channel.scale)
+        frame = self.source.draw(head, now_ns)
         if frame is None:
             return
         if self._changes is not None:

@@ -13,9 +13,8 @@ from .. import client, geometry, headsets, poses
 from ..client.classes import PICTURE_CLIENT, load_client
 from ..client.strategies import options_of_strategy, with_strategy
 from ..errors import InputError, in_brief
-from ..link import CHANGES, RESOLUTION, Bandwidth, LinkOptions, StageTimes
+from ..link import CHANGES, SUM, Bandwidth, LinkOptions
 from ..link.codec import Coding
-from ..link.options import DROP
 from ..options import (
     AUTO,
     DEFAULT_GUARD,
@@ -51,20 +50,13 @@ class SourceKind:
     """What is known of a source of frames by its options, before anything is loaded."""
 
     name: str
-    # Layers that its frames can have; None for any.
-    layers: tuple[str, ...] | None = None
-    # Whether the client can have the scene's geometry.
-    has_geometry: bool = True
-    # Whether it comes with a head's motion and a display of its own.
-    has_head: bool = False
-    # Eyes that it has pictures of, and the truth.
-    eyes: int = 2
-    # Controls of a live run that it sets by itself.
-    sets: tuple[str, ...] = ()
-    # Appended to the reason why a plan cannot run on its frames.
-    limits: str = ""
-    # Whether its latency is only known once it is measured.
-    is_timed: bool = False
+    layers: tuple[str, ...] | None = None  # layers that its frames can have; None for any
+    has_geometry: bool = True  # whether the client can have the scene's geometry
+    has_head: bool = False  # whether it comes with a head's motion and a display of its own
+    eyes: int = 2  # eyes that it has pictures of, and the truth
+    sets: tuple[str, ...] = ()  # controls of a live run that it sets by itself
+    limits: str = ""  # appended to the reason why a plan cannot run on its frames
+    is_timed: bool = False  # whether its latency is only known once it is measured
 
     def refuse_change(self, name: str) -> None:
         """Raise InputError for a control that cannot change while it runs."""
@@ -89,23 +81,11 @@ REMOTE = SourceKind("remote", is_timed=True)
 # A machine near the client that warps for it, and sends the finished picture.
 PROXY = SourceKind("proxy", _PICTURE[:1])
 
-# Options that recorded frames set, with their values; and why they leave no choice in others.
+# Options that recorded frames set, with their values; those that are refused wherever they are set;
+# and why.
 _OF_FRAMES = {"guard": "1", "predict": "none", "lens": "none"}
-_WHY_NOT = {
-    "scene": "recorded frames take the place of a scene",
-    "headset": "the display is the camera, and --guard 1.5 shows the middle of what it saw",
-    "rendered_size": "a recording has as many pixels as were taken; --guard says how much of it is shown",
-    "wide": "a recording has no second view",
-    "predict": "each frame was taken where the camera was",
-    "lens": "the display is the camera, which has no lens to correct",
-    "proxy": "a proxy draws for heads of its own",
-    "scanout": "the truth of each row was not recorded",
-    "guard": "a factor says how much of the recording is shown, such as 1.5",
-    "samples": "its edges are as they were recorded",
-    "fovea": "they came as sharp everywhere",
-    "warp": "its benchmark draws a scene; name a warp",
-}
-_ONLY_SAID = ("scene", "headset", "rendered_size", "wide", "samples")
+_ONLY_SAID = ("scene", "headset", "rendered_size", "samples")
+_SET_BY_FRAMES = "recorded frames are one eye's, as its camera took them; leave it out"
 
 
 def with_frames(said: Mapping[str, Any], usual: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -116,13 +96,12 @@ def with_frames(said: Mapping[str, Any], usual: Mapping[str, Any]) -> Mapping[st
     if said.get("frames") is None:
         if said.get("eye_distance") is not None:
             raise InputError(
-                f"--eye-distance {said['eye_distance']:g} without --frames: a scene is drawn for both eyes of the "
-                "headset; leave it out"
+                f"--eye-distance {said['eye_distance']:g} without --frames: a headset has both; leave it out"
             )
         return said
     for name in _ONLY_SAID:
         if said.get(name) not in (None, usual.get(name)):
-            raise InputError(f"--{name.replace('_', '-')} with --frames: {_WHY_NOT[name]}; leave it out")
+            raise InputError(f"--{name.replace('_', '-')} with --frames: {_SET_BY_FRAMES}")
     return {**said, **{name: value for name, value in _OF_FRAMES.items() if name in usual and said.get(name) is None}}
 
 
@@ -205,12 +184,10 @@ class ProxyOptions(Declared):
     def link(self, network: LinkOptions) -> LinkOptions:
         """Return the link from the server to the proxy.
 
-        The server's rate, and the time that it takes to render, belong to it; the proxy sends a
-        picture at each refresh, and takes the time that it needs. All else is the client's link's.
+        The server's rate belongs to it; the proxy sends a picture at each refresh. All else is the
+        client's link's.
         """
-        stages = network.response
-        response = None if stages is None else StageTimes(render=stages.render)
-        return LinkOptions(server_rate_hz=network.server_rate_hz, response=response)
+        return LinkOptions(server_rate_hz=network.server_rate_hz, response=network.response)
 
     def longest_ms(self, network: LinkOptions) -> float:
         """Return how long frames are under way to the proxy at most, 0 without a proxy."""
@@ -245,13 +222,6 @@ _IPD = Option(
     unit="mm",
     study=DISPLAY,
 )
-_WIDE = Option(
-    "A second, wide and coarse view with every frame: fill wide before the others.",
-    bool,
-    False,
-    name="wide",
-    heading=RENDERING,
-)
 
 
 @attrs.frozen
@@ -261,8 +231,7 @@ class PipelineOptions(Declared):
     Errors: InputError for a value out of range.
     """
 
-    # Where recorded frames are shown.
-    usual_eye_distance_mm: ClassVar[float] = 0.0
+    usual_eye_distance_mm: ClassVar[float] = 0.0  # where recorded frames are shown
     # Whether pictures are compared with the truth, which a server elsewhere may draw.
     draws_truth: ClassVar[bool] = False
 
@@ -282,8 +251,7 @@ class PipelineOptions(Declared):
         study=DISPLAY,
     )
     sequence_options: SequenceOptions = group(SequenceOptions)
-    # Of late frames; the truth is what was recorded.
-    repair: str = repair_field()
+    repair: str = repair_field()  # of late frames; the truth is what was recorded
     # 0 for the camera's eye alone.
     eye_distance_mm: float = option(
         attrs.Factory(lambda self: self.usual_eye_distance_mm, takes_self=True),
@@ -410,7 +378,6 @@ class PipelineOptions(Declared):
         # 1 shows pictures as drawn.
         attrs.Factory(lambda self: 1.0 if self.warp == "none" else DEFAULT_GUARD, takes_self=True),
         f" auto: as the trace needs. [default: {DEFAULT_GUARD:g}; 1 with warp none]",
-        beside=(_WIDE,),  # the other way to fill beyond the border
         heading=RENDERING,
     )
     rendered_size: tuple[int, int] | None = rendered_size_field(RENDERING)
@@ -455,8 +422,7 @@ class PipelineOptions(Declared):
     )
     # Delay variation, loss and queueing, on top of the latency.
     network: LinkOptions = group(LinkOptions)
-    # Encoding and decoding on the link.
-    coding: Coding = group(Coding)
+    coding: Coding = group(Coding)  # encoding and decoding on the link
     # What stands between the server and that link.
     proxy: ProxyOptions = group(ProxyOptions)
     predict: str = option(
@@ -488,39 +454,28 @@ class PipelineOptions(Declared):
     def _conflicts(self) -> Iterator[tuple[bool, str]]:
         """Yield each thing that cannot be: whether it is so, and the message."""
         is_auto, is_foveated = self.warp == AUTO, self.fovea_deg is not None
+        changes = self.network.send == CHANGES
         if self.source_kind is REMOTE:
-            yield (
-                self.frames is not None,
-                "--connect with --frames: frames come from the server or the folder; leave one of them out",
-            )
-            yield (
-                self.network.response is not None or self.network.overload != DROP,
-                "--connect with --response or --overload: the server's times are the real ones; leave them out",
-            )
+            yield self.frames is not None, "--connect with --frames: frames come from one of them; leave the other out"
+            yield self.network.response == SUM, "--connect with --response: the server's times are real; leave it out"
             yield self.proxy.on or is_auto, "--connect with --proxy or --warp auto: not supported, leave them out"
         if self.source_kind is RECORDING:
             asked = {
-                "guard": (f"--guard {self.guard}", self.guard == AUTO),
-                "predict": (f"--predict {self.predict}", self.predict != "none"),
-                "lens": (f"--lens {self.lens}", self.lens not in ("none", AUTO)),
-                "proxy": ("--proxy", self.proxy.on),
-                "scanout": (f"--scanout {self.scanout_ms:g} ms", self.scanout_ms > 0),
-                "warp": (f"--warp {self.warp}", is_auto),
-                "fovea": (f"--fovea {self.fovea_deg or 0:g}", is_foveated),
+                "guard auto": self.guard == AUTO,
+                f"predict {self.predict}": self.predict != "none",
+                f"lens {self.lens}": self.lens not in ("none", AUTO),
+                "proxy": self.proxy.on,
+                f"scanout {self.scanout_ms:g} ms": self.scanout_ms > 0,
+                "warp auto": is_auto,
+                f"fovea {self.fovea_deg or 0:g}": is_foveated,
             }
-            for name, (text, is_set) in asked.items():
-                yield is_set, f"{text} with --frames: {_WHY_NOT[name]}; leave it out"
+            for text, is_set in asked.items():
+                yield is_set, f"--{text} with --frames: {_SET_BY_FRAMES}"
         for name in ("rim", "gaze"):
             found = getattr(self, name)
             is_said = found != getattr(attrs.fields(type(self)), name).default
-            yield (
-                is_said and not is_foveated,
-                f"--{name} {found}: frames are as sharp everywhere; it is for --fovea",
-            )
-        yield (
-            is_foveated and self.network.send == CHANGES,
-            f"--fovea with --send {CHANGES}: the eyes move where nothing else does; leave one of the two out",
-        )
+            yield is_said and not is_foveated, f"--{name} {found}: frames are as sharp everywhere; it is for --fovea"
+        yield is_foveated and changes, "--fovea with --send changes: eyes move where nothing else does; leave one out"
         sets = options_of_strategy(self.strategy) if self.strategy else {}
         values = {"warp": self.warp, "fill": self.fill, "effects": self.effects, "proxy": self.proxy.on}
         values["indirect"] = self.indirect
@@ -530,36 +485,13 @@ class PipelineOptions(Declared):
                 f"strategy '{self.strategy}' with {name} '{values[name]}': it sets {name} to '{sets[name]}'; "
                 f"{type(self).__name__}.of({{'strategy': ..}}) does so",
             )
-        if self.proxy.on:
-            yield is_auto, f"--proxy with --warp {AUTO}: the proxy warps; name what the client does, none or rotation"
-            yield (
-                self.network.send == CHANGES,
-                f"--proxy with --send {CHANGES}: the proxy's picture changes with every frame that it gets; leave one "
-                "of the two out",
-            )
-            yield (
-                self.network.overload == RESOLUTION,
-                f"--proxy with --overload {RESOLUTION}: the proxy makes pictures of one size; leave one out",
-            )
-        yield (
-            is_auto and self.budget_ms is None,
-            "--warp auto chooses what fits into a budget: say how many milliseconds there are for one eye (--budget "
-            "MS)",
-        )
-        yield (
-            is_auto and self.fused,
-            "--fused with --warp auto: its warps must have the picture between warp and lens, to be measured; leave "
-            "one out",
-        )
-        yield (
-            not is_auto and self.budget_ms is not None,
-            f"--budget {float(self.budget_ms or 0):g} ms: only --warp auto keeps to a budget; '{self.warp}' takes what "
-            "it takes",
-        )
-        yield (
-            not is_auto and self.bench is not None,
-            f"--bench {self.bench}: only --warp auto chooses from a benchmark; '{self.warp}' is chosen already",
-        )
+        yield self.proxy.on and is_auto, "--proxy with --warp auto: name what the client does, none or rotation"
+        yield self.proxy.on and changes, "--proxy with --send changes: its picture always changes; leave one out"
+        yield is_auto and self.budget_ms is None, "--warp auto chooses what fits into a budget: add --budget MS"
+        yield is_auto and self.fused, "--fused with --warp auto: its warps are measured before the lens; leave one out"
+        budget, name = self.budget_ms, f"'{self.warp}' is chosen already"
+        yield not is_auto and budget is not None, f"--budget {budget} ms: only --warp auto keeps to a budget; {name}"
+        yield not is_auto and self.bench is not None, f"--bench: only --warp auto chooses from a benchmark; {name}"
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
@@ -576,14 +508,10 @@ class PipelineOptions(Declared):
                 values["network"] = attrs.evolve(values["network"], bandwidth=Bandwidth(device.download_mbit_s))
         check_one_guard(said)
         warp, fill = said.get("warp") or DEFAULT_WARP, said.get("fill")
-        if warp == AUTO and (fill is not None or said.get("wide")):
-            asked = "--wide" if fill is None else f"--fill {fill}"
-            raise InputError(f"{asked}: --warp auto chooses the fill too; leave one of the two out")
+        if warp == AUTO and fill is not None:
+            raise InputError(f"--fill {fill}: --warp auto chooses the fill too; leave one of the two out")
         # A warp fused with the lens has none.
-        fill = fill if fill is not None else "none" if said.get("fused") else _default_fill(warp)
-        if said.get("wide"):  # first
-            fill = "wide" if fill == "none" else f"wide+{fill}"
-        return {**values, "fill": fill}
+        return {**values, "fill": fill or ("none" if said.get("fused") else _default_fill(warp))}
 
     @property
     def fovea(self) -> geometry.Fovea | None:
@@ -608,11 +536,7 @@ class PipelineOptions(Declared):
     @property
     def client_link(self) -> LinkOptions:
         """The link to the client: the network, less what belongs to the one before a proxy."""
-        if not self.proxy.on:
-            return self.network
-        stages = self.network.response
-        response = None if stages is None else attrs.evolve(stages, render=None)
-        return attrs.evolve(self.network, server_rate_hz=None, response=response)
+        return attrs.evolve(self.network, server_rate_hz=None) if self.proxy.on else self.network
 
     @property
     def total_latency_ms(self) -> float:
@@ -649,7 +573,7 @@ class PipelineOptions(Declared):
                 f"Frames are coarser away from the gaze that is {self.gaze} when they are drawn: {self.fovea}; it is "
                 "straight ahead where the head's motion has no gaze."
             )
-        if self.network.response is not None:
+        if self.network.response == SUM:
             found.append(
                 f"{told} the network's alone: rendering, encoding, queue, size over bandwidth and decoding come on top "
                 "(response sum)."

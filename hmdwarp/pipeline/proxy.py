@@ -25,7 +25,6 @@ from ..link.codec import check_codec
 from ..metrics import middle_and_tail
 from ..options import AUTO
 from ..poses import PoseSample
-from ..poses.predictors import predictors
 from ..sources.feed.options import FeedOptions
 from ..sources.server import Renderer
 from ..sources.server.draw import MIRRORS
@@ -34,7 +33,7 @@ from .channel import Channel, ChannelSetup, Coder
 from .loop import Loop, Refresh
 from .options import PROXY, RECORDING, REMOTE, PipelineOptions
 from .recorded_source import RecordingSource
-from .remote_source import RemoteSource
+from .remote import RemoteSource
 from .source import FrameSource, PoseRequest, ServerFrames, Source, Target, client_scene, joined
 
 # At most so many times are kept of each stage: three minutes of two eyes at 90 Hz.
@@ -122,11 +121,8 @@ class Proxy(FrameSource):
         """How many pictures exist, under way or free."""
         return len(self._free) + len(self._out)
 
-    def draw(self, head: PoseSample, now_ns: int, scale: float) -> Frame | None:
-        """Let the server draw what is due, and warp its newest frame that has arrived.
-
-        scale: 1, for the proxy makes pictures of one size.
-        """
+    def draw(self, head: PoseSample, now_ns: int) -> Frame | None:
+        """Let the server draw what is due, and warp its newest frame that has arrived."""
         self._record_last()
         self._known.head = head
         self._loop.draw(now_ns)
@@ -251,7 +247,7 @@ def source_of(options: PipelineOptions) -> Source:
 
 
 def check_names(options: PipelineOptions) -> None:
-    """Check warp, fills, lens, effects, predictor, codec, mirrors, indirect light and network.
+    """Check warp, fills, lens, effects, codec, mirrors, indirect light and network.
 
     It loads nothing, so that a misspelt name is reported before a scene is built.
 
@@ -265,9 +261,8 @@ def check_names(options: PipelineOptions) -> None:
     if options.lens != AUTO:
         lenses.get(options.lens)
     effects.forced(options.effects)
-    predictors.get(options.predict)
     check_codec(options.coding.codec)
     check_codec(options.proxy.codec)
-    options.client_link.check(round(options.latency_ms * 1e6))
+    options.client_link.delay.check(round(options.latency_ms * 1e6))
     if options.mirrors not in MIRRORS:
         raise unknown_name("kind of mirrors", options.mirrors, list(MIRRORS))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Mapping
 from collections.abc import Sequence as Several
 from functools import cached_property, lru_cache
 from typing import Any, Self
@@ -37,7 +36,6 @@ _PIXEL_BYTES = 3 + 4
 _AS_RECORDED = RepairChain()
 _NOTHING = 1e-5  # what rounding leaves of two equal poses, in ms, degrees and metres
 _ANOTHER = 1.0  # pixel that the truth may be off without a note
-_SAME_PLACE_M = 1e-4  # of a right eye: at 0.5 m less than 0.02 degrees, below a pixel
 _SAME_FOV = 1e-6  # rad, far below a pixel
 LEAST_SHOWN = 16  # pixels on each side that a guard band must leave
 _WIDEST_RIM = 0.1  # of the picture's smaller side
@@ -57,8 +55,6 @@ class RecordedRenderer(Renderer):
     def __init__(self, gpu: Gpu, scene: Scene, sequence: Sequence, moment_of: MomentOf = Moment) -> None:
         super().__init__(gpu, scene)
         self._sequence, self._moment_of = sequence, moment_of
-        # Gives the truth of the right eye; None where that was not recorded.
-        self.right = RecordedRenderer(gpu, scene, sequence.right, moment_of) if sequence.right else None
         self._times = [frame.time_ns for frame in sequence.frames]
         fit = _KEPT_BYTES // (math.prod(sequence.frames[0].size) * _PIXEL_BYTES)
         self._pixels = lru_cache(min(max(fit, _LEAST_KEPT), _KEPT))(_pixels)
@@ -104,12 +100,6 @@ class RecordedRenderer(Renderer):
         image = attrs.evolve(image, drawn_ns=taken_ns)
         return Frame((image,) * len(views), taken_ns, PoseSample(taken_ns, taken.pose, Origin.MEASURED))
 
-    def close(self) -> None:
-        """Free the pools, those of the right eye too."""
-        super().close()
-        if self.right is not None:
-            self.right.close()
-
     def truth_facts(
         self, shown: Several[tuple[int, Pose]], missing: int, pixels_per_degree: float, *, own_head: bool
     ) -> tuple[dict[str, Any], str]:
@@ -121,10 +111,8 @@ class RecordedRenderer(Renderer):
         rows = []
         for shown_ns, pose in shown:
             frame = self.nearest_to(shown_ns)
-            x, y, z, w = frame.pose.relative_to(pose).unit_quaternion
-            turn_deg = math.degrees(2 * math.atan2(math.sqrt(x * x + y * y + z * z), abs(w)))
             move_m = float(np.linalg.norm(frame.pose.position_m - pose.position_m))
-            rows.append((abs(frame.time_ns - shown_ns) * 1e-6, turn_deg, move_m))
+            rows.append((abs(frame.time_ns - shown_ns) * 1e-6, math.degrees(frame.pose.angle_to(pose)), move_m))
         offsets = {
             name: {"median": round(float(np.median(column)), 6), "most": round(max(column), 6)}
             for name, column in zip(("time_ms", "turn_deg", "move_m"), zip(*rows, strict=True), strict=True)
@@ -208,13 +196,7 @@ class RecordingSource(Source):
 
     @cached_property
     def headset(self) -> CameraDisplay:
-        """The camera's display. Errors: as display_of; InputError for a right eye elsewhere."""
-        beside_m = self.sequence.right_m
-        if self._eye_distance_mm and beside_m and abs(self._eye_distance_mm * 1e-3 - beside_m) > _SAME_PLACE_M:
-            raise InputError(
-                f"--eye-distance {self._eye_distance_mm:g}: {self.sequence.path} has a right eye "
-                f"{beside_m * 1e3:.4g} mm beside; expected that, or 0 for one eye"
-            )
+        """The camera's display. Errors: as display_of."""
         return display_of(self.sequence, self._guard, self._eye_distance_mm * 1e-3)
 
     @property
@@ -222,24 +204,19 @@ class RecordingSource(Source):
         """Its kind and name, for messages."""
         return f"recorded frames '{self.scene.name}'"
 
-    @property
+    @cached_property
     def notes(self) -> list[str]:
         """What takes the place of a renderer, what is assumed of it, what its frames suggest."""
-        return [self.about, *unstated(self.assumptions), *self._suggested]
-
-    @cached_property
-    def _suggested(self) -> list[str]:
         ends = self.sequence.frames[0], self.sequence.frames[-1]
-        rims, notes = [frame.rim() for frame in ends], sequences.depth_notes(self.sequence)
+        rims, found = [frame.rim() for frame in ends], [self.about, *unstated(self.assumptions)]
         # A rim is where it is in all frames; what is wider is more likely a background.
-        if not min(rims) or max(rims) - min(rims) > 1 or max(rims) > _WIDEST_RIM * min(ends[0].size):
-            return [*notes]
-        # The adjacent line is blended with it.
-        return [
-            f"The outermost pixels of {ends[0].name} and {ends[1].name} hold one colour, up to {max(rims)} on a side. "
-            f"If that is no picture, leave it out by --crop {max(rims) + 1}: it is warped and judged as if it were.",
-            *notes,
-        ]
+        if min(rims) and max(rims) - min(rims) <= 1 and max(rims) <= _WIDEST_RIM * min(ends[0].size):
+            found.append(  # the adjacent line is blended with it
+                f"The outermost pixels of {ends[0].name} and {ends[1].name} hold one colour, up to {max(rims)} on a "
+                f"side. If that is no picture, leave it out by --crop {max(rims) + 1}: it is warped and judged as if "
+                "it were."
+            )
+        return [*found, *sequences.depth_notes(self.sequence)]
 
     @property
     def about(self) -> str:
@@ -337,31 +314,3 @@ def display_of(sequence: Sequence, guard: GuardBand | None = None, eye_distance_
 def _degrees(fov: Fov) -> tuple[float, float]:
     left, right, down, up = np.degrees(np.arctan(fov.tangents)).tolist()
     return right - left, up - down
-
-
-def second_eye(rows: Several[Mapping[str, Any]], found: Mapping[str, Mapping[int, float]]) -> dict[str, float]:
-    """Return the mean share of holes of the camera's eye and of the other one.
-
-    And their PSNR, where what the other eye saw was recorded. rows: as of frames.csv. found: of the
-    other eye, by column and refresh.
-    """
-    entry = {}
-    for name, values in ((name, values) for name, values in found.items() if values):
-        of_camera = [row[name] for row in rows if row["eye"] == 0 and row["frame"] in values]
-        entry[f"camera_{name}"] = math.fsum(of_camera) / len(of_camera)
-        entry[name] = math.fsum(values.values()) / len(values)
-    return entry
-
-
-def about_second_eye(found: Mapping[str, float]) -> str:
-    """Return how much more the other eye lacks."""
-    told = "Nothing was recorded where the right eye is: it has times and holes, and"
-    if "psnr_db" in found:
-        told = (
-            f"The right eye has {found['psnr_db']:.2f} dB and the left one {found['camera_psnr_db']:.2f} dB, from the "
-            "left eye's frames alone;"
-        )
-    return (
-        f"{told} all other figures are the camera's eye's. The warp leaves {found['hole_share']:.2%} of the right "
-        f"eye's pixels empty, {found['camera_hole_share']:.2%} of the left eye's."
-    )

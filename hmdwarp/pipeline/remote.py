@@ -1,7 +1,7 @@
-"""A server elsewhere: its frames come by the feed, as old as they then are.
+"""A server elsewhere as a source: its frames come by the feed, as old as they then are.
 
-The loop is the same one. Requests go out where frames would be drawn, and a frame that has arrived
-enters the link with the delay that was measured.
+And so does the truth. The loop is the same one: requests go out where frames would be drawn, and a
+frame that has arrived enters the link with the delay that was measured.
 """
 
 from __future__ import annotations
@@ -10,38 +10,37 @@ import math
 import time
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack
 from typing import Any
 
 import attrs
 import numpy as np
 
-from ..errors import InputError, MachineError
-from ..frames import Needs
+from ..client.plan import Plan
+from ..errors import HmdwarpError, InputError, MachineError, counted
+from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import PICTURE, layers
-from ..geometry import Guard, View, guarded_eyes
+from ..frames.layers.pictures import FoveatedPicture
+from ..geometry import Eyes, Guard, Pose, View, guarded_eyes, looking
+from ..gpu.context import Gpu
+from ..gpu.textures import COLOUR, SCALAR
+from ..link import CHANGES, TransitStats
 from ..link.codec import Undecodable
 from ..poses import PoseSample
-from ..scenes import InputEvent
-from ..sources.feed import bounds
-from ..sources.feed.caller import Arrival, Caller
-from ..sources.feed.message import ANY, MOST_FATES, MOST_INPUTS, Ask, Fate, FrameMessage, Session, Wish, length_of
-from ..sources.feed.options import FeedOptions, public_key, secret_in
-from ..sources.feed.parts import Wanted
+from ..poses.track import Moment
+from ..scenes import InputEvent, Scene
+from ..sources.feed import bounds, message
+from ..sources.feed.caller import Caller, Viewer
+from ..sources.feed.message import Ask, Fate, FrameMessage, Session, Wish
+from ..sources.feed.options import FULL, FeedOptions, public_key, secret_in
 from ..sources.feed.parts import length_of as part_bytes
-from .feed_coding import (
-    FeedDecoder,
-    codec_of,
-    codes_video,
-    fovea_of,
-    grids_of,
-    left_out,
-    misfit,
-    raw_form,
-    reading,
-    wanted_alone,
-    wanted_of,
-)
+from ..sources.server import Renderer, Target
+from . import feed_coding
+from .channel import Channel, ChannelSetup
+from .options import REMOTE, SERVER_SCENE, PipelineOptions
+from .source import FrameSource, MomentOf, Options, PoseRequest, Source, nothing
+from .source import Target as Shown
 
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
 _TRIALS = 6
@@ -54,41 +53,33 @@ _MOST_PENDING = 4096
 NO_PICTURE = (1, 1)  # asked for where nothing reads the eyes' pictures: a frame always has some
 
 
-@attrs.frozen(eq=False)
-class Pending:
-    """A request that has no answer yet."""
+@attrs.define(eq=False)
+class Request:
+    """A request for a frame, and the frame once it has come."""
 
-    number: int
+    ask: Ask
     head: PoseSample
     # On the loop's clock, and on this machine's.
     drawn_ns: int
     sent_ns: int
-    # Of one eye's picture, and of the whole one where that is foveated.
+    # (w, h) of one eye's picture as it comes: smaller than asked for where it is foveated.
     size: tuple[int, int]
-    drawn: tuple[int, int]
-    views: tuple[View, ...]
-    wanted: Wanted | None
-    # Whether it was to be foveated.
-    looks: bool
-    # Which inputs it told the server.
-    acted: range = range(0)
-
-
-@attrs.frozen(eq=False)
-class Answer:
-    """A request and its frame, and how long after the request the loop had it."""
-
-    pending: Pending
-    arrival: Arrival
-    took_ns: int
+    acted: range  # which inputs it told the server
+    # As it came, and how long after the request the loop had it.
+    message: FrameMessage | None = None
+    took_ns: int = 0
     # Bytes that crossed the feed, by layer.
-    layer_bytes: Counter[str]
+    layer_bytes: Counter[str] = attrs.field(factory=Counter)
+    frame: Frame | None = None  # what was made of it
 
     @property
     def is_key(self) -> bool:
-        """Whether it can be decoded without those before it."""
-        frame = self.arrival.frame
-        return frame.begins or not (codes_video(frame.colour) or codes_video(frame.depth, of_depth=True))
+        """Whether its frame can be decoded without those before it."""
+        came = self.message
+        assert came is not None
+        return came.begins or not (
+            feed_coding.codes_video(came.colour) or feed_coding.codes_video(came.depth, of_depth=True)
+        )
 
 
 class Remote:
@@ -104,23 +95,21 @@ class Remote:
         self, feed: FeedOptions, *, holds: bool, keeps: bool = False, say: Callable[[str], None] = lambda text: None
     ) -> None:
         self._caller = Caller(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
-        self._holds, self._keeps, self._say = holds, keeps, say
+        self.keeps, self._holds, self._say = keeps, holds, say
         self._number = 0
-        self._pending: dict[int, Pending] = {}
+        self._pending: dict[int, Request] = {}
         self._heard_ns = time.monotonic_ns()
         # When frames stopped coming; None while they come.
         self._lost_ns: int | None = None
         self._losses = self._away_ns = 0
         self.unanswered = self.refused = self.undecodable = 0
-        self._decoder, self._anew_number = FeedDecoder(), 0
+        self._decoder, self._anew_number = feed_coding.FeedDecoder(), 0
         # What was wrong with the layers of the last frame that was left out, and what was said.
         self._misfit = ""
         self._told: set[str] = set()
         self._apart = ViewsApart()
         # How frames are to be coded; raw until it is set.
-        self.wish, self._format = Wish(), ANY
-        # Types of the numbers of the frames that came last, and the largest error of their depth.
-        self._raw: dict[str, Any] = {}
+        self.wish, self._format = Wish(), message.ANY
         # What is read of the eyes' pictures; the rest is not sent.
         self.pictures = frozenset(PICTURE)
         self._paced: tuple[int, int] | None = None
@@ -158,7 +147,7 @@ class Remote:
     ) -> None:
         """Ask for a frame of these eyes at that instant of the loop's clock, with needed layers."""
         fovs, grown = guarded_eyes(views, guard, size)
-        fovea, stand_for, rest = fovea_of(needs if needs is not None else Needs())
+        fovea, stand_for, rest = feed_coding.fovea_of(needs if needs is not None else Needs())
         read = self.pictures | stand_for
         grown = grown if read else NO_PICTURE
         wide = tuple(view.within(fov) for view, fov in zip(views, fovs, strict=True))
@@ -170,11 +159,11 @@ class Remote:
         anew = anew and self._anew_number not in self._pending
         if anew:
             self._anew_number = self._number
-        wanted = wanted_of(rest, views, size)
+        wanted = feed_coding.wanted_of(rest, views, size)
         times = (self._number, 0, self.scene_ns(now_ns), self.scene_ns(head.time_ns), 0)
         session = None
         if self._takes_session:  # with the fates heard of by now
-            due = [fate for fate, _ in self._fates.values() if fate.heard_ns <= now_ns][:MOST_FATES]
+            due = [fate for fate, _ in self._fates.values() if fate.heard_ns <= now_ns][: message.MOST_FATES]
             for fate in due:
                 told_in = self._fates[fate.number][1]
                 self._fates[fate.number] = fate, self._number if told_in is None else told_in
@@ -183,13 +172,17 @@ class Remote:
         acted = self._known_inputs
         if self.takes_inputs:
             until = bisect_right(self._acted, times[2], key=lambda event: event.time_ns)
-            acted = min(until, acted + MOST_INPUTS)
+            acted = min(until, acted + message.MOST_INPUTS)
         inputs = tuple(self._acted[self._known_inputs : acted])
-        ask = Ask(*times, grown, head.pose, wide, wish=reading(self.wish, read), anew=anew, wanted=wanted)
-        sent_ns = self._caller.ask(attrs.evolve(ask, session=session, fovea=fovea, inputs=inputs))
+        more: dict[str, Any] = {"wanted": wanted, "session": session, "fovea": fovea, "inputs": inputs}
+        left_out = {
+            kind: message.NONE for kind, name in zip(("colour", "depth"), PICTURE, strict=True) if name not in read
+        }
+        wish = attrs.evolve(self.wish, **left_out)
+        ask = Ask(*times, grown, head.pose, wide, wish=wish, anew=anew, **more)
         small = grown if fovea is None else fovea.grid(wide[0], grown).small
-        made = head, now_ns, sent_ns, small, grown, wide, wanted, fovea is not None
-        self._pending[self._number] = Pending(self._number, *made, range(self._known_inputs, acted))
+        told = range(self._known_inputs, acted)
+        self._pending[self._number] = Request(ask, head, now_ns, self._caller.ask(ask), small, told)
         while len(self._pending) > _MOST_PENDING:
             self._unanswer(self._pending.pop(next(iter(self._pending))))
 
@@ -204,25 +197,25 @@ class Remote:
         if len(self._acted) > bounds.KEPT_INPUTS.most:
             raise InputError(f"{len(self._acted)} inputs: a server keeps {bounds.KEPT_INPUTS.most:g} of a session")
 
-    def tell(self, pending: Pending, *, arrived: bool, heard_ns: int) -> None:
+    def tell(self, of: Request, *, arrived: bool, heard_ns: int) -> None:
         """Tell the server of a frame's fate, from that instant on, where layers build on it."""
-        if any(layers.get(name).builds_on_frames for name, _ in (pending.wanted.layers if pending.wanted else ())):
-            self._fates[pending.number] = Fate(pending.number, arrived, heard_ns), None
+        if any(layers.get(name).builds_on_frames for name, _ in (of.ask.wanted.layers if of.ask.wanted else ())):
+            self._fates[of.ask.number] = Fate(of.ask.number, arrived, heard_ns), None
 
-    def _unanswer(self, pending: Pending) -> None:
+    def _unanswer(self, request: Request) -> None:
         """Note that a request will not be answered by a frame that can be shown."""
         self.unanswered += 1
-        self.tell(pending, arrived=False, heard_ns=pending.drawn_ns)
+        self.tell(request, arrived=False, heard_ns=request.drawn_ns)
 
-    def _answered(self, number: int) -> Pending:
+    def _answered(self, number: int) -> Request:
         """Take a request that was answered: what it told is known there."""
         for fate, told_in in list(self._fates.values()):
             if told_in is not None and told_in <= number:
                 del self._fates[fate.number]
-        pending = self._pending.pop(number)
-        if pending.acted.start <= self._known_inputs:  # not where the server has forgotten those before, too
-            self._known_inputs = max(self._known_inputs, pending.acted.stop)
-        return pending
+        request = self._pending.pop(number)
+        if request.acted.start <= self._known_inputs:  # not where the server has forgotten those before, too
+            self._known_inputs = max(self._known_inputs, request.acted.stop)
+        return request
 
     def measure(
         self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs
@@ -260,11 +253,11 @@ class Remote:
                     if "refused" in line:
                         raise InputError(f"--connect {line}")
                     self._say(line)
-                for answer in self._known():
-                    if self.decoded(answer) is not None:
-                        if fovea_of(needs)[0] is not None and not self._takes_fovea:
+                for request in self._known():
+                    if self.decoded(request) is not None:
+                        if feed_coding.fovea_of(needs)[0] is not None and not self._takes_fovea:
                             raise InputError(f"{place} --fovea: that server sends whole frames alone; leave it out")
-                        return answer.took_ns
+                        return request.took_ns
                 if self._misfit:
                     raise InputError(f"{place}: {self._misfit}: use --effects none, or another warp or fill")
         raise MachineError(
@@ -283,7 +276,7 @@ class Remote:
                 clock_ns = due_ns
         self._paced = now_ns, clock_ns
 
-    def arrived(self, now_ns: int) -> list[Answer]:
+    def arrived(self, now_ns: int) -> list[Request]:
         """Return what has arrived since the last call, oldest first.
 
         Where the loop holds, what has not arrived when this returns arrives later than `now_ns`.
@@ -311,8 +304,8 @@ class Remote:
             self._losses += 1
         return found
 
-    def _known(self) -> list[Answer]:
-        """Return the arrivals that answer a request, not decoded yet.
+    def _known(self) -> list[Request]:
+        """Return the requests that are answered by now, their frames not decoded yet.
 
         Frames come in order, so requests before one that is answered never will be.
         """
@@ -328,11 +321,11 @@ class Remote:
                 continue
             for older in [sent for sent in self._pending if sent < frame.number]:
                 self._unanswer(self._pending.pop(older))
-            pending = self._answered(frame.number)
-            if frame.size != pending.size or len(frame.views) != len(pending.views):
+            request = self._answered(frame.number)
+            if frame.size != request.size or len(frame.views) != len(request.ask.views):
                 self.refused += 1
                 self._leave_out("another size or number of eyes than requested", "")
-                self.tell(pending, arrived=False, heard_ns=pending.drawn_ns)
+                self.tell(request, arrived=False, heard_ns=request.drawn_ns)
                 continue
             self._heard_ns, self._format = arrival.heard_ns, frame.colour
             if self._acted and self.takes_inputs and not frame.takes_inputs:  # another server in its place
@@ -341,48 +334,44 @@ class Remote:
             self._takes_fovea, self.takes_inputs = frame.takes_fovea, frame.takes_inputs
             if frame.began != self._began:  # it knows nothing of what it was sent before
                 self._began, self._known_inputs = frame.began, 0
-            if pending.acted.start > self._known_inputs:  # a scene without what people did before
-                self._unanswer(pending)
+            if request.acted.start > self._known_inputs:  # a scene without what people did before
+                self._unanswer(request)
                 continue
-            took_ns = arrival.heard_ns - pending.sent_ns
+            request.message, request.took_ns = frame, arrival.heard_ns - request.sent_ns
             if self._told_ns is not None:
                 # It came in just before a refresh that was shown without it: handed over after.
-                took_ns = max(took_ns, self._told_ns + 1 - pending.drawn_ns)
+                request.took_ns = max(request.took_ns, self._told_ns + 1 - request.drawn_ns)
             pictures = {"colour": frame.colours, "inverse_depth": frame.inverse_depths}
-            sizes = Counter({name: sum(map(length_of, both)) for name, both in pictures.items()})
+            sizes = Counter({name: sum(map(message.length_of, both)) for name, both in pictures.items()})
             for of_eye in frame.layers:
                 sizes.update({name: sum(map(part_bytes, parts)) for name, parts in of_eye.items()})
-            found.append(Answer(pending, arrival, took_ns, +sizes))
-            if found[-1].is_key:  # until it turns out that it is damaged
+            request.layer_bytes = +sizes
+            found.append(request)
+            if request.is_key:  # until it turns out that it is damaged
                 self._decoder.wants_anew = False
         return found
 
-    def keep(self, drawn_ns: int, delay_ns: int) -> None:
-        """Note the delay of a frame."""
-        if self._keeps:
-            self.delays_ns.append((drawn_ns, delay_ns))
-
-    def decoded(self, answer: Answer) -> FrameMessage | None:
-        """Return the frame of an answer, decoded; None for one that is none, which is counted."""
-        frame, pending = answer.arrival.frame, answer.pending
+    def decoded(self, request: Request) -> FrameMessage | None:
+        """Return a frame that came, decoded; None for one that is none, which is counted."""
+        frame, ask = request.message, request.ask
+        assert frame is not None
         try:
-            grids = grids_of(frame, pending.drawn) if pending.looks else ()
-            decoded = self._decoder.decode(wanted_alone(frame, pending.wanted, pending.drawn))
+            grids = feed_coding.grids_of(frame, ask.size) if ask.fovea else ()
+            decoded = self._decoder.decode(feed_coding.wanted_alone(frame, ask.wanted, ask.size))
         except Undecodable as error:
             self.undecodable += 1
             self._leave_out("they cannot be decoded", f" ({error})")
             return None
-        wrong = misfit(decoded, pending.wanted, pending.drawn)
-        if not wrong and (lacks := self.pictures & left_out(decoded, 0)):
+        wrong = feed_coding.misfit(decoded, ask.wanted, ask.size)
+        if not wrong and (lacks := self.pictures & feed_coding.left_out(decoded, 0)):
             wrong = f"the server sends no {' and no '.join(sorted(name.removeprefix('rendered.') for name in lacks))}"
         if wrong:
             self.refused += 1
             self._misfit = wrong
             self._leave_out(wrong, "")
             return None
-        self._raw = raw_form(frame, self._raw)
         were_apart = bool(self._apart)
-        for pair in zip(pending.views, decoded.views, strict=True):
+        for pair in zip(ask.views, decoded.views, strict=True):
             self._apart.take(*pair)
         if self._apart and not were_apart:
             self._say(
@@ -408,7 +397,6 @@ class Remote:
             "address": self._caller.address,
             "lost": self._losses,
             "away_s": (self._away_ns + (time.monotonic_ns() - self._lost_ns if self._lost_ns is not None else 0)) / 1e9,
-            "raw": self._raw,
             "clock": self._caller.clock.summary(),
             "unanswered": self.unanswered,
             "undecodable": self.undecodable,
@@ -419,7 +407,7 @@ class Remote:
     @property
     def codec(self) -> str:
         """The codec of the frames that came last."""
-        return codec_of(self._format)
+        return feed_coding.CODECS.get(self._format, "none")
 
     def close(self) -> None:
         """End the session."""
@@ -456,3 +444,279 @@ class ViewsApart:
     def __str__(self) -> str:
         field = f", with {self.field_share:.0%} of the field of view" if self.field_share < 1 - _SAME_SHARE else ""
         return f"up to {self.turned_deg:.2f} degrees and {self.moved_m:.3f} m off{field}"
+
+
+class NoTruth(HmdwarpError):
+    """The server elsewhere has not drawn what an eye should see."""
+
+
+class RemoteSource(Source):
+    """Frames that a server elsewhere draws.
+
+    The scene is here as well if the options name it, for passes and for the truth, which the server
+    draws otherwise. draws_truth: False for a run that has none.
+    """
+
+    kind = REMOTE
+
+    def __init__(self, options: PipelineOptions, feed: FeedOptions, *, draws_truth: bool) -> None:
+        self._is_here = options.scene != SERVER_SCENE
+        elsewhere = nothing(SERVER_SCENE, f"drawn by {feed.connect}")
+        super().__init__(options, None if self._is_here else elsewhere)
+        if feed.raw != FULL and options.coding.codec != "none":
+            raise InputError(
+                f"--raw {feed.raw} beside --codec {options.coding.codec}: coded frames are not raw; leave one out"
+            )
+        self.feed, self._draws_truth = feed, draws_truth
+        self._added_ns = round(feed.added_latency_ms * 1e6)
+        try:
+            options.network.delay.check(self._added_ns)
+        except InputError as error:
+            raise InputError(f"--added-latency {feed.added_latency_ms:g} ms: {error}") from error
+
+    def fitted(self, options: Options) -> Options:
+        """Return the options with the server in place of a scene, where there is none here."""
+        return options if self._draws_truth or self._is_here else attrs.evolve(options, scene=self.feed.connect)
+
+    def check(self, plans: Sequence[Plan], needs: Needs, eyes: int = 2) -> None:
+        """Check that plans get by with what frames of another process have. Errors: InputError."""
+        super().check(plans, needs, eyes)
+        steps = [step for plan in plans for step in plan.steps]
+        if not self._is_here and any(
+            name.startswith("client.") for step in steps for name in (*step.reads, *step.writes)
+        ):
+            raise InputError(
+                "--connect: the client draws some of the scene for this warp or fill, and the scene is at the server: "
+                "use another one, or name that scene by --scene, too"
+            )
+
+    def measured(self, options: Options, **first: Any) -> Options:
+        """Connect, send what people do, and return the options with the measured latency.
+
+        first: head and views of one instant, rate_hz, needs and pictures as of PoseRequest; holds,
+        keeps and say as of Remote.
+        """
+        assert options.size is not None
+        remote = self.remote = Remote(self.feed, **{name: first[name] for name in ("holds", "keeps", "say")})
+        remote.pictures, head, views, rate_hz = first["pictures"], first["head"], first["views"], first["rate_hz"]
+        wanted = (message.RAW[self.feed.raw], options.coding, rate_hz, views, options.size)
+        remote.wish = feed_coding.wish_of(*wanted, options.latency_ms * 1e-3)
+        longest_ns = remote.measure(head, views, options.guard_band, options.size, first["needs"]) + self._added_ns
+        remote.wish = feed_coding.wish_of(*wanted, longest_ns * 1e-9 + 1 / rate_hz)
+        if self.scene.inputs is not None:
+            remote.act(self.scene.inputs)
+        return attrs.evolve(options, latency_ms=longest_ns / 1e6)
+
+    def act(self, event: InputEvent) -> InputEvent | None:
+        """Send what somebody does, and return it: what it means is known where the scene is.
+
+        Errors: as Source.act, and as Remote.act.
+        """
+        done = super().act(event) if self._is_here else event
+        if done is not None and self.remote is not None:
+            self.remote.act([done])
+        return done
+
+    def frames(
+        self,
+        options: PipelineOptions,
+        server: Renderer,
+        target: Shown,
+        requested: PoseRequest,
+        stack: ExitStack,
+    ) -> RemoteFrames:
+        """Return the frames that the server elsewhere draws."""
+        remote = self.remote
+        assert remote is not None, "measured() connects"
+        remote.pictures = requested.pictures
+        remote.only_changes = options.network.send == CHANGES
+        return RemoteFrames(remote, server, requested, target.eyes, self._added_ns)
+
+    def renderer(self, gpu: Gpu, options: PipelineOptions, moment_of: MomentOf = Moment) -> Renderer:
+        """Return what draws the truth, and has textures for the frames."""
+        if self._is_here:
+            return super().renderer(gpu, options, moment_of)
+        return RemoteRenderer(gpu, self.scene, self.feed) if self._draws_truth else Renderer(gpu, self.scene)
+
+    def close(self) -> None:
+        """Hang up."""
+        if self.remote is not None:
+            self.remote.close()
+            self.remote = None
+
+
+class RemoteRenderer(Renderer):
+    """A renderer whose pictures are drawn elsewhere, each on request.
+
+    It is another client than the one for the frames, so that neither replaces the other's requests.
+    Errors: as Viewer.
+    """
+
+    def __init__(self, gpu: Gpu, scene: Scene, feed: FeedOptions) -> None:
+        super().__init__(gpu, scene)
+        self._viewer = Viewer(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
+        self._apart = ViewsApart()
+
+    def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
+        """Return what the server draws for the view. Errors: NoTruth where it draws nothing."""
+        found = self._viewer.fetch(view, size, time_ns)
+        if found is None:
+            raise NoTruth("the server has not drawn the truth")
+        self._apart.take(view, found.views[0])
+        target = into if into is not None else self.acquire(size)
+        self.take_in(feed_coding.arrays_of(found, 0, size), target)
+        return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=time_ns)
+
+    def truth_facts(
+        self, shown: Sequence[tuple[int, Pose]], missing: int, pixels_per_degree: float, *, own_head: bool
+    ) -> tuple[dict[str, Any], str]:
+        """Return nothing for summary.json, and a sentence or two on what the truth is."""
+        text = "The truth is what the server drew for the shown views."
+        if self._apart:
+            text += f" Its views were {self._apart}: the figures count that as error."
+        if missing:
+            text += f" It drew none for {counted(missing, 'picture')}, which were not measured."
+        return {}, text
+
+    def close(self) -> None:
+        """Free what was uploaded, and hang up."""
+        self._viewer.close()
+        super().close()
+
+
+@attrs.frozen(eq=False)
+class RemoteFrames(FrameSource):
+    """Frames that another machine draws: asking returns none, they arrive at the channel.
+
+    server: this side's, of whose textures the frames are made.
+    """
+
+    remote: Remote
+    server: Renderer
+    requested: PoseRequest
+    eyes: Eyes
+    added_ns: int = 0  # emulated latency behind the real network's
+
+    def draw(self, head: PoseSample, now_ns: int) -> None:
+        """Ask for a frame for that head."""
+        asked = self.requested
+        self.remote.age_ns = asked.age_ns
+        views = looking(self.eyes.views(head.pose), head.gaze)
+        self.remote.ask(head, views, asked.guard, asked.size, now_ns, asked.needs)
+
+    def made(self, request: Request, found: FrameMessage) -> Frame:
+        """Return the frame that arrived, decoded."""
+        eyes, ask, asked, server = [], request.ask, self.requested, self.server
+        for eye, (view, wanted) in enumerate(zip(found.views, ask.views, strict=True)):
+            # As large as in the request where no picture was sent.
+            size = found.size if asked.pictures else guarded_eyes([view], asked.guard, asked.size)[1]
+            target, sent = server.acquire(ask.size if ask.fovea else size), feed_coding.left_out(found, eye)
+            missing = sent | frozenset(PICTURE).difference(asked.pictures)
+            whole = frozenset(PICTURE) if ask.fovea else missing
+            server.take_in(feed_coding.arrays_of(found, eye, target.size, whole), target)
+            hidden = wanted.hidden if view.fov == wanted.fov else view.hidden
+            image = EyeImage(
+                attrs.evolve(view, hidden=hidden, gaze=wanted.gaze),
+                target.colour,
+                target.inverse_depth,
+                drawn_ns=request.drawn_ns,
+                depth_error=feed_coding.depth_error(found, self.remote.wish),
+                left_out=missing,
+            )
+            if ask.fovea:  # foveated pictures came in place of whole ones
+                colour, depth = (server.acquire(found.size, kind, depth=False).colour for kind in (COLOUR, SCALAR))
+                server.take_in(feed_coding.arrays_of(found, eye, found.size, sent), Target(colour, depth))
+                pictures = [FoveatedPicture(texture, found.grids[eye]) for texture in (colour, depth)]
+                image = image.having(foveated=pictures[0], foveated_depth=pictures[1])
+            eyes.append(image)
+        if found.layers:  # a server may choose the size of some
+            eyes = feed_coding.made(server, eyes, found.layers, ask.wanted)
+            server.trim()
+        took_ms = {"render": found.render_ns / 1e6}
+        return Frame(tuple(eyes), request.drawn_ns, request.head, None, found.began, took_ms, found.time_ns)
+
+    def recycle(self, frame: Frame | None) -> None:
+        """Return the frame's textures to the pools; None for one that was never made."""
+        if frame is not None:
+            self.server.recycle(frame)
+
+    def channel(self, setup: ChannelSetup) -> Channel:
+        """Return the channel of what arrives by the feed."""
+        return RemoteChannel(setup, self)
+
+
+class RemoteChannel(Channel):
+    """The channel of frames that arrive by the feed: what was measured of it, then the link.
+
+    The link emulates what its options say, behind the real network: frames are decoded as they
+    arrive over both, and those that it loses never are. The server hears of a frame's fate with the
+    next request.
+    """
+
+    def __init__(self, setup: ChannelSetup, frames: RemoteFrames) -> None:
+        self._remote, self._frames_of, self._tell = frames.remote, frames, setup.settled
+        super().__init__(
+            attrs.evolve(setup, coder=None),  # the server codes them
+            frames.recycle,
+            receive=self._receive,
+            decoding=lambda request: 0,
+            settled=self._settled,
+            in_order=feed_coding.codes_video(frames.remote.wish.colour),
+        )
+        self._shown: Request | None = None
+        self._sent_ns = self._measured_ns = 0
+        self._unanswered = self._remote.unanswered
+        self._remote.forget()
+        self._remote.needs_key = self.link.needs_key
+        self.link.delay_by(self._delays(setup.network.delays(frames.added_ns)))
+
+    def _delays(self, added: Iterator[int]) -> Iterator[int]:
+        for added_ns in added:
+            delay_ns = self._measured_ns + added_ns
+            if self._remote.keeps:
+                self._remote.delays_ns.append((self._sent_ns, delay_ns))
+            yield delay_ns
+
+    def _receive(self, request: Request) -> bool:
+        decoded = self._remote.decoded(request)
+        if decoded is not None:
+            request.frame = self._frames_of.made(request, decoded)
+        return decoded is not None
+
+    def _settled(self, request: Request, arrived: bool, heard_ns: int) -> None:
+        if arrived and request.frame is not None:
+            self._tell(request.frame, arrived, heard_ns)
+        self._remote.tell(request, arrived=arrived, heard_ns=heard_ns)
+
+    def due(self, now_ns: int) -> list[int]:
+        """Return the instants at which a frame is requested, up to now."""
+        self._remote.pace(now_ns)
+        return super().due(now_ns)
+
+    def newest(self, now_ns: int) -> Frame | None:
+        """Return the newest frame that has arrived by now, or None before the first."""
+        for request in self._remote.arrived(now_ns):
+            self._frames, self._eyes = self._frames + 1, len(request.ask.views)
+            self._bytes.update(request.layer_bytes)
+            self._measured_ns, self._sent_ns = request.took_ns, request.drawn_ns
+            self.link.send(request, request.drawn_ns, request.layer_bytes.total(), request.is_key)
+        self._shown = self.link.newest(now_ns)
+        return self._shown.frame if self._shown is not None else None
+
+    @property
+    def transit(self) -> TransitStats | None:
+        """Transit statistics of the shown frame; the server's work is told from its delay."""
+        found = self.link.transit
+        if found is None or self._shown is None or self._shown.message is None:
+            return None
+        render_ns = min(self._shown.message.render_ns, self._shown.took_ns)
+        return attrs.evolve(found, render_ns=render_ns, delay_ns=found.delay_ns - render_ns)
+
+    def fates(self) -> dict[str, int]:
+        """Return what became of every frame; skipped: requests that the server passed over."""
+        unanswered = self._remote.unanswered - self._unanswered
+        return {**super().fates(), "skipped": unanswered, "unchanged": self._remote.unchanged}
+
+    def summary(self, rate_hz: float) -> dict[str, Any]:
+        """Return the `link` of summary.json, with the connection."""
+        return {**super().summary(rate_hz), "codec": self._remote.codec, "feed": self._remote.summary()}

@@ -21,7 +21,7 @@ from ..geometry.cube import wide_size
 from ..gpu.context import Gpu
 from ..gpu.textures import check_size
 from ..headsets import Headset
-from ..options import AUTO, DEFAULT_GUARD, Choice
+from ..options import AUTO, Choice
 from ..platforms import memory_bytes
 from ..scenes import CONVERGED, Scene
 from .options import PROXY, RECORDING, PipelineOptions
@@ -114,7 +114,7 @@ def expected_age_ns(options: PipelineOptions, plain_ns: int, rate_hz: float) -> 
     """
     link = options.client_link
     stays_ns = max(0.0, 1e9 / link.sends_hz(rate_hz) - 1e9 / rate_hz)
-    newest_ns = plain_ns if link.is_plain else link.typical_ns(latency_ns(options))
+    newest_ns = plain_ns if link.is_plain else link.delay.typical_ns(latency_ns(options))
     return newest_ns + round(stays_ns / 2)
 
 
@@ -150,11 +150,6 @@ def smaller_size(gpu: Gpu, options: PipelineOptions, size: tuple[int, int]) -> s
     return f"without a GPU {w}x{h} pixels an eye ({options.headset}) are slow: --size {third} is about 7 times as fast"
 
 
-# 3 on each axis: of a field of view of 90 degrees that makes 143, and a planar picture of more is
-# mostly border.
-MOST_GUARD_PIXELS = 9
-
-
 def frame_weight(options: PipelineOptions, headset: Headset, plans: Sequence[Plan]) -> dict[str, Any]:
     """Return eyes, sizes, bytes of each layer and of a frame, and how many frames there are."""
     rate_hz = options.rate_hz or headset.refresh_hz
@@ -170,16 +165,6 @@ def frame_weight(options: PipelineOptions, headset: Headset, plans: Sequence[Pla
         "latency_ms": options.latency_ms,
         "rate_hz": rate_hz,
     }
-
-
-def guard_notes(options: PipelineOptions, weight: dict[str, Any]) -> list[str]:
-    """Return a note on a guard band that is larger than head motion ever calls for."""
-    if weight["pixels"] <= MOST_GUARD_PIXELS:
-        return []
-    band = f"{options.guard_band} draws {weight['pixels']:.0f} times the pixels"
-    return [
-        f"{band}: --guard is a factor of the field of view in tangents, not degrees; the default is {DEFAULT_GUARD:g}"
-    ]
 
 
 def plans_for(options: PipelineOptions, headset: Headset | None, scene: Scene | None, **beyond: Any) -> list[Plan]:

@@ -23,10 +23,10 @@ from ..client.plan import Plan
 from ..errors import InputError
 from ..frames import Frame, Needs
 from ..frames.layers import PICTURE
-from ..geometry import Eyes, Guard, GuardBand, Pose, looking
+from ..geometry import Eyes, Guard, Pose, View, looking
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
-from ..link import LinkOptions, scaled_size
+from ..link import LinkOptions
 from ..poses import LoadedTrace, PoseSample, PoseSource
 from ..poses.assumptions import Assumption
 from ..poses.track import Gaze, Moment
@@ -34,7 +34,6 @@ from ..scenes import InputEvent, InputLog, Scene
 from ..sources.server import Renderer, Server
 from .channel import Channel, ChannelSetup, Coder, Reads
 from .options import SCENE, PipelineOptions, SourceKind
-from .remote import Remote
 
 # Where recorded frames are at an instant.
 MomentOf = Callable[[int], Moment]
@@ -93,11 +92,8 @@ class FrameSource(ABC):
     """Frames for the heads that a loop asks for."""
 
     @abstractmethod
-    def draw(self, head: PoseSample, now_ns: int, scale: float) -> Frame | None:
-        """Return a frame made now for that head, None while there is nothing to make one from.
-
-        scale: the share of the full width and height that it should have.
-        """
+    def draw(self, head: PoseSample, now_ns: int) -> Frame | None:
+        """Return a frame made now for that head, None while there is nothing to make one from."""
 
     @abstractmethod
     def recycle(self, frame: Frame) -> None:
@@ -128,19 +124,19 @@ class ServerFrames(FrameSource):
     eyes: Eyes
     unseen_from_ns: float = math.inf
 
-    def draw(self, head: PoseSample, now_ns: int, scale: float) -> Frame:
+    def draw(self, head: PoseSample, now_ns: int) -> Frame:
         """Draw all eyes for that head."""
         asked, timer = self.requested, self.server.gpu.timer
         is_seen = now_ns < self.unseen_from_ns
         with timer.stage("render"):
-            views, size, guard = looking(self.eyes.views(head.pose), head.gaze), asked.size, asked.guard
-            if scale != 1:
-                size, guard = scaled_size(asked.size, scale), GuardBand.of(asked.guard).factors(asked.size)
+            views: Sequence[View] = self.eyes.views(head.pose)
+            if head.gaze is not None:
+                views = looking(views, head.gaze)
             frame = self.server.draw_frame(
                 views,
                 now_ns,
-                size,
-                guard,
+                asked.size,
+                asked.guard,
                 asked.needs,
                 shown_size=asked.size,
                 age_ns=asked.age_ns,
@@ -229,8 +225,8 @@ class Source:
     assumptions: tuple[Assumption, ...] = ()
     # The `recorded` of summary.json; None where nothing is recorded.
     entry: dict[str, Any] | None = None
-    # The session with a server elsewhere, once `measured` has connected.
-    remote: Remote | None = None
+    # The session with a server elsewhere, a remote.Remote, once `measured` has connected.
+    remote: Any = None
 
     def __init__(self, options: PipelineOptions, scene: Scene | None = None) -> None:
         self._options, self._scene = options, scene

@@ -8,12 +8,9 @@ from .prediction import PredictionErrors as PredictionErrors
 from .prediction import analyse as analyse
 from .prediction import error_row as error_row
 from .prediction import foreseen_gaze as foreseen_gaze
-from .prediction import gaze_facts as gaze_facts
 from .prediction import gaze_of as gaze_of
 from .prediction import predict as predict
-from .prediction import signed_lead as signed_lead
 from .prediction import trace_as_json as trace_as_json
-from .prediction import turn_errors as turn_errors
 from .predictors import predictors as predictors
 from .quaternions import angle_between as angle_between
 from .quaternions import slerp as slerp

@@ -19,7 +19,6 @@ class By(StrEnum):
     USER = "user"  # by an option
     FILE = "file"
     FORMAT = "format"  # the documents of the format, layout or data set
-    MOTION = "motion"
     DEFAULT = "default"
 
 
@@ -39,7 +38,7 @@ class Assumption:
     @property
     def source(self) -> str:
         """Return who says it, in words, with the option where it is a default."""
-        remedy = f"; set with {self.option}" if self.option and self.by in (By.DEFAULT, By.MOTION) else ""
+        remedy = f"; set with {self.option}" if self.option and self.by is By.DEFAULT else ""
         return f"{'default' if self.by is By.DEFAULT else f'by the {self.by}'}{remedy}"
 
     def __str__(self) -> str:
@@ -70,7 +69,7 @@ def first_stated(*values: T | None) -> tuple[T | None, By]:
 # Who says what axes a file has, in words.
 AXES_BY = {
     By.USER: "as --axes or --up says", By.FILE: "stated by the file", By.FORMAT: "by the format",
-    By.MOTION: "by --axes auto, from the motion", By.DEFAULT: "assumed",
+    By.DEFAULT: "assumed",
 }  # fmt: skip
 
 

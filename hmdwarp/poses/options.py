@@ -21,21 +21,20 @@ DIRECT, INVERSE = "direct", "inverse"
 ROWS, COLUMNS = "rows", "columns"
 
 
-VECTOR, AXIS_ANGLE = "vector", "axis-angle"
+VECTOR = "vector"
 
 
 @attrs.frozen
 class Euler:
     """How angles make an orientation."""
 
-    # Turns about the fixed axes in the order of their use, such as "zxy"; or VECTOR, AXIS_ANGLE.
-    order: str
+    order: str  # turns about the fixed axes in the order of their use, such as "zxy"; or VECTOR
     degrees: bool
     signs: tuple[int, ...] = (1, 1, 1)  # of the turns
 
     def words(self) -> str:
         turns = self.order
-        if turns not in (VECTOR, AXIS_ANGLE):
+        if turns != VECTOR:
             turns = "".join("-" * (sign < 0) + axis for axis, sign in zip(turns.upper(), self.signs, strict=True))
         return f"{turns},{'deg' if self.degrees else 'rad'}"
 
@@ -44,15 +43,20 @@ def parse_euler(text: str) -> Euler:
     """Parse `--euler`: turns about the fixed axes in order, and unit, as ZXY,deg of Unity.
 
     A minus turns about an axis the other way (-X-YZ,deg: roll, pitch, yaw of Unreal); "vector,rad"
-    is a rotation vector, "axis-angle,rad" an axis beside its angle.
+    is a rotation vector.
     """
     order, _, unit = (part.strip() for part in text.strip().lower().partition(","))
     axes = order.replace("-", "")
-    signed = order in (VECTOR, AXIS_ANGLE) or (sorted(axes) == ["x", "y", "z"] and re.fullmatch("(-?[xyz]){3}", order))
+    signed = order == VECTOR or (sorted(axes) == ["x", "y", "z"] and re.fullmatch("(-?[xyz]){3}", order))
     if not signed or unit not in ("deg", "rad"):
         raise InputError(f"--euler '{text}': expected the order in which turns are applied and a unit, such as ZXY,deg")
     signs = tuple(-1 if sign else 1 for sign in re.findall("(-?)[xyz]", order))
-    return Euler(order, unit == "deg") if order in (VECTOR, AXIS_ANGLE) else Euler(axes, unit == "deg", signs)
+    return Euler(axes, unit == "deg", signs or (1, 1, 1))
+
+
+def _refuse_auto(axes: str | None) -> None:
+    if axes is not None and axes.strip().lower() == "auto":
+        raise InputError(f"--axes {axes}: expected a preset of 'hmdwarp list axes', or world=.. head=..")
 
 
 @attrs.frozen
@@ -69,9 +73,10 @@ class TraceOptions(Declared):
     up: str | None = option(  # See `reading.axes.parse_axes`
         None, "What is up in the file: an axis (y, z, -z); right,up,forward (x,z,y); or a direction (0.04,0.95,0.3)."
     )
-    axes: str | None = option(  # See `reading.axes.parse_axes`
-        None, "Axes of the file: a preset (hmdwarp list axes), world=right,up,forward head=right,up,forward, or auto."
-    )
+    axes: str | None = option(
+        None, "Axes of the file: a preset (hmdwarp list axes), or world=right,up,forward head=right,up,forward.",
+        valid=lambda _, __, value: _refuse_auto(value),
+    )  # fmt: skip
     scale: float | None = option(
         None, "Metres per unit of the file's positions; by default as its format has it.",
         valid=Number(least=1e-6, most=1e6),
@@ -87,14 +92,14 @@ class TraceOptions(Declared):
     columns: str | None = option(  # See `reading.layouts.stated_layout`
         None,
         "Which columns to read, by name or number from 1: t=1,p=2+3+4,q=5+6+7+8 (x y z w); in place of q, m=2-17 (a "
-        "matrix), r=5+6+7 (a rotation vector), a=5+6+7+8 (axis and angle) or e=5+6+7 (with --euler).",
+        "matrix), r=5+6+7 (a rotation vector) or e=5+6+7 (with --euler).",
     )
     time_column: str | None = option(None, "The column of the clock, by name or number from 1.")
     device: str | None = option(None, "Whose rows to read where a file holds those of several devices.")
     euler: str | None = option(  # See `parse_euler`
         None,
         "Read angles: the order of turns about the fixed axes, and deg or rad (Unity: ZXY,deg); vector,rad for a "
-        "rotation vector, axis-angle,rad for an axis and its angle.",
+        "rotation vector.",
         valid=lambda _, __, value: value is None or parse_euler(value),
     )
     pose: str | None = option(

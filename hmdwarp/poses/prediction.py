@@ -1,4 +1,4 @@
-"""Prediction of the head from past motion; how far it misses, and whether it leads or lags.
+"""Prediction of the head from past motion, and how far it misses.
 
 And where the eyes look: known late like the head, held or predicted.
 """
@@ -18,7 +18,7 @@ from ..errors import InputError
 from ..geometry import Pose
 from . import quaternions
 from .assumptions import assumption_rows
-from .predictors import predictors
+from .predictors import Predictor, predictors
 from .reading.cleaning import LoadedTrace
 from .track import SACCADE_DEG_S, Gaze, Origin, PoseSample, PoseTrack
 
@@ -42,7 +42,8 @@ def foreseen_gaze(track: PoseTrack, now_ns: int, ahead_ns: int = 0, head: Pose |
         seen = slice(max(track.index_at(now_ns - KNOWN_NS), 0), track.index_at(now_ns) + 1)
         world = quaternions.rotate(track.orientation_xyzw[seen], track.gaze[seen])
         # Eyes that leapt in the window, or were lost, say nothing of where they go.
-        if np.isfinite(world).all() and not (_speeds(world, track.time_ns[seen]) > SACCADE_DEG_S).any():
+        turned = np.degrees(np.arccos(np.clip(np.einsum("ij,ij->i", world[1:], world[:-1]), -1, 1)))
+        if np.isfinite(world).all() and not (turned > SACCADE_DEG_S * 1e-9 * np.diff(track.time_ns[seen])).any():
             now = now + (now - before) * min(ahead_ns, _HORIZON_NS) / KNOWN_NS
             now = now / np.linalg.norm(now)
     x, y, z = ((head or track.at(now_ns).pose).rotation_matrix.T @ now).tolist()
@@ -54,11 +55,6 @@ def _in_world(track: PoseTrack, time_ns: int) -> Array | None:
     return None if sample.gaze is None else sample.pose.rotation_matrix @ np.array(sample.gaze)
 
 
-def _speeds(gaze: Array, time_ns: NDArray[np.int64]) -> Array:
-    turned = np.arccos(np.clip(np.einsum("ij,ij->i", gaze[1:], gaze[:-1]), -1, 1))
-    return np.asarray(np.degrees(turned) / (np.diff(time_ns) * 1e-9))
-
-
 def gaze_of(samples: Sequence[PoseSample]) -> Array | None:
     """Return the gaze of poses, (n, 3), NaN where it is not known; None where it never is."""
     if all(sample.gaze is None for sample in samples):
@@ -66,52 +62,20 @@ def gaze_of(samples: Sequence[PoseSample]) -> Array | None:
     return np.array([(math.nan,) * 3 if sample.gaze is None else sample.gaze for sample in samples])
 
 
-@attrs.frozen
-class GazeFacts:
-    """What `hmdwarp trace info` says of where the eyes look."""
-
-    known: float  # share of the samples
-    aside_deg: tuple[float, float]  # from straight ahead, median and 95th percentile
-    leaps_s: float  # a second
-
-    def __str__(self) -> str:
-        aside = " and ".join(f"{degrees:.1f}" for degrees in self.aside_deg)
-        return (
-            f"known in {self.known:.1%} of the samples; p50 and p95 {aside} degrees from straight ahead; "
-            f"{self.leaps_s:.1f} leaps of over {SACCADE_DEG_S:g} degrees a second each second"
-        )
-
-
-def gaze_facts(track: PoseTrack) -> GazeFacts | None:
-    """Return the facts; None for a track without gaze."""
-    if track.gaze is None:
-        return None
-    known = np.isfinite(track.gaze).all(axis=1)
-    aside = np.degrees(np.arccos(np.clip(-track.gaze[known, 2], -1, 1)))
-    fast = np.nan_to_num(_speeds(track.gaze, track.time_ns)) > SACCADE_DEG_S
-    leaps = int(np.count_nonzero(fast & ~np.concatenate([[False], fast[:-1]])))
-    middle, far = (float(np.percentile(aside, at)) for at in (50, 95))
-    return GazeFacts(float(known.mean()), (middle, far), leaps / max(track.duration_ns * 1e-9, 1e-9))
-
-
 ERROR_PERCENTILES = (50, 95, 99)
-# A head that has turned or moved less than this has no direction: trackers that write three
-# decimals step by 0.1 degrees.
-STILL_DEG = 0.2
-_FAR = 95  # percentile of lead and lag
 
 
 def predict(
-    track: PoseTrack, now_ns: int, target_ns: int, method: str = "cautious", horizon_ns: int | None = None
+    track: PoseTrack, now_ns: int, target_ns: int, method: str | Predictor = "cautious", horizon_ns: int | None = None
 ) -> PoseSample:
     """Return the head pose at `target_ns` as known at `now_ns`; ignore every sample after `now_ns`.
 
-    method: name of a predictor. horizon_ns: how far ahead of the last sample at most, by default
-    the predictor's own; beyond it the pose stays constant. A target at or before the last known
-    sample is looked up, not predicted. The gaze is the last known one, held in the world.
+    method: a predictor or its name. horizon_ns: how far ahead of the last sample at most, by
+    default the predictor's own; beyond it the pose stays constant. A target at or before the last
+    known sample is looked up, not predicted. The gaze is the last known one, held in the world.
     Errors: UnknownNameError; InputError for a negative horizon.
     """
-    predictor = predictors.get(method)
+    predictor = predictors.get(method) if isinstance(method, str) else method
     horizon_ns = predictor.horizon_ns if horizon_ns is None else horizon_ns
     if horizon_ns < 0:
         raise InputError(f"prediction horizon {horizon_ns / 1e6:g} ms: expected 0 or more")
@@ -125,41 +89,10 @@ def predict(
 
 @attrs.frozen
 class PredictionErrors:
-    """Angles of many predictions, in degrees; NaN without any. See `signed_lead`."""
+    """Angles of many predictions, in degrees; NaN without any."""
 
     mean: float
     percentiles: tuple[float, ...]  # at ERROR_PERCENTILES
-    lead_share: float  # of the predictions that lead by more than STILL_DEG
-    lead: float  # 95th percentile of the lead; 0 where it lags
-    lag: float  # 95th percentile of the lag; 0 where it leads
-
-
-def turn_errors(known: Array, actual: Array, predicted: Array) -> PredictionErrors:
-    """Return angles of heads (n, 4): known when predicting, the actual ones, those predicted."""
-    missed, moved = (np.degrees(quaternions.vector_between(*pair)) for pair in ((actual, predicted), (known, actual)))
-    if not len(missed):
-        return PredictionErrors(math.nan, (math.nan,) * len(ERROR_PERCENTILES), math.nan, math.nan, math.nan)
-    lengths, lead = np.linalg.norm(missed, axis=-1), signed_lead(missed, moved, STILL_DEG)
-    return PredictionErrors(
-        mean=float(lengths.mean()), percentiles=_percentiles(lengths, ERROR_PERCENTILES),
-        lead_share=float(np.mean(lead > STILL_DEG)), lead=max(0.0, float(np.percentile(lead, _FAR))),
-        lag=max(0.0, float(np.percentile(-lead, _FAR))),
-    )  # fmt: skip
-
-
-def signed_lead(missed: Array, moved: Array, still: float) -> Array:
-    """Return how far each prediction leads the head, (n,); negative where it lags behind.
-
-    That is the part of the error along the head's own motion: missed (n, 3) is the rotation vector
-    or way from the actual head to the predicted one, moved (n, 3) that from the known head to the
-    actual one, in the world. A head that has moved less than `still` goes nowhere: whatever its
-    prediction moves is lead.
-    """
-    length = np.linalg.norm(moved, axis=-1)
-    at_rest = length < still
-    along = np.einsum("ij,ij->i", missed, moved) / np.where(at_rest, 1.0, length)
-    # From rest to rest: what is left of the error once the head's own jitter is taken off.
-    return np.asarray(np.where(at_rest, np.linalg.norm(missed + moved, axis=-1), along))
 
 
 _MS = 1_000_000
@@ -192,7 +125,7 @@ class Analysis:
     angular_speed_deg_s: tuple[float, ...]  # at SPEED_PERCENTILES
     linear_speed_m_s: tuple[float, ...]  # at SPEED_PERCENTILES
     errors: list[ErrorRow]  # one row per latency
-    gaze: GazeFacts | None = None  # None for a track without
+    gaze_known: float | None = None  # share of the samples; None for a track without gaze
 
 
 def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> Analysis:
@@ -209,7 +142,8 @@ def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> A
         jumps=len(track.jumps),
         angular_speed_deg_s=_percentiles(np.degrees(angular), SPEED_PERCENTILES),
         linear_speed_m_s=_percentiles(linear, SPEED_PERCENTILES),
-        errors=[error_row(motion, latency) for latency in latencies_ms], gaze=gaze_facts(track),
+        errors=[error_row(motion, latency) for latency in latencies_ms],
+        gaze_known=None if track.gaze is None else float(np.isfinite(track.gaze).all(axis=1).mean()),
     )  # fmt: skip
 
 
@@ -230,11 +164,12 @@ def error_row(track: PoseTrack, latency_ms: int) -> ErrorRow:
     now = now[_joined(track, now - latency - KNOWN_NS, now)]
     truth = track.sample_many(now).orientation_xyzw
     then = now - latency
-    known = track.sample_many(then).orientation_xyzw
-    errors = {
-        predictor.name: turn_errors(known, truth, predictor.predict_many(track, then, latency).orientation_xyzw)
-        for predictor in sorted((p for p in predictors if not p.alias_of), key=lambda p: p.horizon_ns)
-    }
+    errors = {}
+    for predictor in sorted((p for p in predictors if not p.alias_of), key=lambda p: p.horizon_ns):
+        predicted = predictor.predict_many(track, then, latency).orientation_xyzw
+        missed = np.linalg.norm(np.degrees(quaternions.vector_between(truth, predicted)), axis=-1)
+        mean = float(missed.mean()) if len(missed) else math.nan
+        errors[predictor.name] = PredictionErrors(mean, _percentiles(missed, ERROR_PERCENTILES))
     return ErrorRow(latency_ms, errors, len(now))
 
 
@@ -261,12 +196,11 @@ def _percentiles(values: Array, wanted: tuple[float, ...]) -> tuple[float, ...]:
 
 def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
     """Return what `trace info --json` prints; percentiles are keys such as p95."""
-    rows: list[dict[str, Any]] = []
-    for row in figures.errors:
-        rows.append({"latency_ms": row.latency_ms})
-        for name, one in row.errors.items():
-            found = {"mean": one.mean, **_by_name(one.percentiles, ERROR_PERCENTILES), "lead_share": one.lead_share}
-            rows[-1][name] = found | {"lead_p95": one.lead, "lag_p95": one.lag}
+    rows = [
+        {"latency_ms": row.latency_ms}
+        | {n: {"mean": e.mean, **_by_name(e.percentiles, ERROR_PERCENTILES)} for n, e in row.errors.items()}
+        for row in figures.errors
+    ]
     rates = ("samples", "repeated_share", "duration_s", "rate_hz", "mean_rate_hz")
     return {
         **{"trace": str(loaded.path), "format": loaded.format, "origin": loaded.track.origin},
@@ -274,7 +208,7 @@ def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
         **{name: getattr(figures, name) for name in rates},
         **{"clock": loaded.time_unit, "clock_starts_s": loaded.track.epoch_ns / 1e9},
         **{"gaps": figures.gaps, "jumps": figures.jumps},
-        "gaze": None if figures.gaze is None else attrs.asdict(figures.gaze),
+        "gaze": None if figures.gaze_known is None else {"known": figures.gaze_known},
         "angular_speed_deg_s": _by_name(figures.angular_speed_deg_s, SPEED_PERCENTILES),
         "linear_speed_m_s": _by_name(figures.linear_speed_m_s, SPEED_PERCENTILES),
         "errors_deg": rows,

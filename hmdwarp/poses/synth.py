@@ -83,12 +83,10 @@ class _State:
 
     def settled(self) -> _State:
         """Return it without residual motion, which an exponential never loses."""
-        changes: dict[str, Any] = {}
-        if not any(self.wish) and max(map(abs, self.velocity)) < STILL_M_S:
-            changes["velocity"] = (0.0, 0.0, 0.0)
-        if max(abs(self.yaw - self.yaw_goal), abs(self.pitch - self.pitch_goal)) < STILL_RAD:
-            changes |= {"yaw": self.yaw_goal, "pitch": self.pitch_goal}
-        return attrs.evolve(self, **changes)
+        halted = not any(self.wish) and max(map(abs, self.velocity)) < STILL_M_S
+        state = attrs.evolve(self, velocity=(0.0, 0.0, 0.0)) if halted else self
+        turned = max(abs(self.yaw - self.yaw_goal), abs(self.pitch - self.pitch_goal)) < STILL_RAD
+        return attrs.evolve(state, yaw=self.yaw_goal, pitch=self.pitch_goal) if turned else state
 
     def pose(self) -> Pose:
         (sy, cy), (sp, cp) = ((math.sin(angle / 2), math.cos(angle / 2)) for angle in (self.yaw, self.pitch))
@@ -221,13 +219,13 @@ class Glide:
 
     def with_(self, speed: float | None, amplitude: float | None) -> Glide:
         """Return it with another speed or amplitude; None keeps its own."""
-        given = {"speed": speed, "amplitude": amplitude}
-        changes: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
-        for name, value in changes.items():
-            most, per = (_MOST[self.unit][0], " per second") if name == "speed" else (_MOST[self.unit][1], "")
-            if not _LEAST <= value <= most:
-                raise InputError(f"{name} {value:g} {self.unit}{per}: expected {_LEAST:g} to {most:g}")
-        return attrs.evolve(self, **changes)
+        speed, amplitude = self.speed if speed is None else speed, self.amplitude if amplitude is None else amplitude
+        fastest, farthest = _MOST[self.unit]
+        if not _LEAST <= speed <= fastest:
+            raise InputError(f"speed {speed:g} {self.unit} per second: expected {_LEAST:g} to {fastest:g}")
+        if not _LEAST <= amplitude <= farthest:
+            raise InputError(f"amplitude {amplitude:g} {self.unit}: expected {_LEAST:g} to {farthest:g}")
+        return attrs.evolve(self, speed=speed, amplitude=amplitude)
 
     @property
     def ease_s(self) -> float:
@@ -250,11 +248,6 @@ class Glide:
         phase = np.mod(t, 2 * leg_s)
         out_s = np.minimum(phase, 2 * leg_s - phase)
         return self.speed * (eased(out_s) - eased(out_s - self.amplitude / self.speed))
-
-    def motion(self, t: Array) -> Motion:
-        still, way = np.zeros_like(t), self.way(t)
-        place = np.outer(way, self.direction or (0.0, 0.0, 0.0)) + np.array(_START)
-        return Motion(way if self.direction is None else still, still, still, place, neck_to_eyes_m=np.zeros(3))
 
 
 @attrs.frozen
@@ -291,13 +284,14 @@ def synthesise(
     if isinstance(build, Glide):
         if seed is not None:
             raise InputError(f"--seed {seed}: motion {kind} has nothing random; leave the seed out")
-        glide = build.with_(speed, amplitude)
-        motion, flags = glide.motion(t), f"--speed {glide.speed:g} --amplitude {glide.amplitude:g}"
+        glide, still = build.with_(speed, amplitude), np.zeros_like(t)
+        flags, way = f"--speed {glide.speed:g} --amplitude {glide.amplitude:g}", glide.way(t)
+        place = np.outer(way, glide.direction or (0.0, 0.0, 0.0)) + np.array(_START)
+        motion = Motion(way if glide.direction is None else still, still, still, place, neck_to_eyes_m=np.zeros(3))
     else:
         if speed is not None or amplitude is not None:
-            given = f"--amplitude {amplitude:g}" if speed is None else f"--speed {speed:g}"
-            able = ", ".join(sorted(GLIDES))
-            raise InputError(f"{given}: motion {kind} has the speeds of people; expected one of {able}")
+            what = f"--speed and --amplitude: motion {kind} has the speeds of people"
+            raise InputError(f"{what}; expected one of {', '.join(sorted(GLIDES))}")
         seed = KINDS[kind].seed if seed is None else seed
         if seed is None or seed < 0:
             raise InputError(f"--seed {seed}: expected 0 or more")  # Python seeds -1 and 1 alike
@@ -352,10 +346,7 @@ def _sines(rng: random.Random, t: Array, amplitude: float, low_hz: float, high_h
 
 
 def _sway(rng: random.Random, t: Array, size: float = 1.0) -> Array:
-    """Return a standing person's neck: about a centimetre of sway, more forwards than sideways.
-
-    Source: amplitudes and the band below 1 Hz as in Winter 1995, Human balance and posture control.
-    """
+    """Return a standing person's neck. Source: Winter 1995, Human balance and posture control."""
     sway = np.stack(
         [_sines(rng, t, 0.012, 0.1, 0.9), _sines(rng, t, 0.003, 0.2, 0.6), _sines(rng, t, 0.022, 0.1, 0.9)], axis=1
     )
@@ -375,10 +366,7 @@ def _wander(rng: random.Random, seconds: float, span: float, speed: tuple[float,
 
 
 def _gaze_targets(rng: random.Random, span: float, least: float, mean: float = math.inf) -> Iterator[float]:
-    """Return yaw targets within +-span degrees, each at least `least` from the previous one.
-
-    mean: how much further a shift goes on average, small ones the most; by default anywhere.
-    """
+    """Return yaw targets within +-span degrees, `least` to about `mean` further than the last."""
     angle = 0.0
     while True:
         if math.isinf(mean):
@@ -449,11 +437,9 @@ _LEAD_S = 0.35
 
 
 def _walk(rng: random.Random, seconds: float, t: Array) -> Motion:
-    """Return laps of two ellipses that touch at the start, one to the left, one to the right.
-
-    Constant pace in the ellipse's parameter is the two-thirds power law of human curved motion
-    (Lacquaniti et al. 1983); the head turns ahead of the path (Grasso et al. 1996, 0.2 to 0.5 s).
-    """
+    """Return laps of two ellipses that touch at the start, one to the left, one to the right."""
+    # Constant pace in the ellipse's parameter is the two-thirds power law of human curved motion
+    # (Lacquaniti et al. 1983); the head turns ahead of the path (Grasso et al. 1996, 0.2 to 0.5 s).
     place, _ = _path(t, seconds)
     going = _path_pace(t, seconds)
     step = 2 * math.pi * _STEP_HZ * t
@@ -485,8 +471,7 @@ def _path_pace(t: Array, seconds: float) -> Array:
 
 def _path(t: Array, seconds: float) -> tuple[Array, Array]:
     """Return (n, 3) place of the neck and heading in degrees along the two ellipses."""
-    # The pace, integrated on a fine fixed grid, so that the path does not depend on the sampling
-    # rate.
+    # The pace, on a fine fixed grid, so that the path does not depend on the sampling rate.
     grid = np.arange(0.0, seconds + 2.0, 1 / 1000)
     laps = np.concatenate([[0.0], np.cumsum(_path_pace(grid, seconds))[:-1]]) / 1000 / _LAP_S
     lap = np.interp(t, grid, laps)

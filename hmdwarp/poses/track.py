@@ -108,7 +108,7 @@ class Samples:
 class PoseTrack:
     """world_from_head over time, OpenXR axes, metres.
 
-    Nothing is interpolated across a gap or a jump unless requested: there the last pose is HELD.
+    Nothing is interpolated across a gap or a jump: there the last pose is HELD.
 
     Parameters
     ----------
@@ -218,12 +218,11 @@ class PoseTrack:
     def pose(self, index: int) -> Pose:
         return Pose(self.position_m[index], self.orientation_xyzw[index])
 
-    def at(self, time_ns: int, across_gaps: bool = False) -> PoseSample:
+    def at(self, time_ns: int) -> PoseSample:
         """Return the head at an instant (ns): SLERP and linear between two samples.
 
         On a sample: MEASURED. Between two: INTERPOLATED. Before the first, after the last and
-        within a gap or jump (unless across_gaps): HELD at the nearest end or the last sample
-        before.
+        within a gap or jump: HELD at the nearest end or the last sample before.
         """
         time_ns, gaze = operator.index(time_ns), None if self.gaze is None else self.gaze_at(time_ns)
         i = self.index_at(time_ns)
@@ -232,7 +231,7 @@ class PoseTrack:
         t0, *t1 = self.time_ns[i : i + 2].tolist()
         if t0 == time_ns:
             return PoseSample(time_ns, self.pose(i), Origin.MEASURED, gaze=gaze)
-        if not t1 or (self.broken[i] and not across_gaps):
+        if not t1 or self.broken[i]:
             return PoseSample(time_ns, self.pose(i), Origin.HELD, gaze=gaze)
         share = (time_ns - t0) / (t1[0] - t0)
         a, b = self.orientation_xyzw[i : i + 2].tolist()
@@ -262,13 +261,13 @@ class PoseTrack:
         x, y, z = (a / np.linalg.norm(a)).tolist()
         return x, y, z
 
-    def sample_many(self, time_ns: ArrayLike, across_gaps: bool = False) -> Samples:
+    def sample_many(self, time_ns: ArrayLike) -> Samples:
         """Return `at` for many instants (n,) at once, by the same rules."""
         instants = _times(time_ns)
         i = np.clip(np.searchsorted(self.time_ns, instants, side="right") - 1, 0, len(self) - 1)
         j = np.minimum(i + 1, len(self) - 1)
         inside = (instants >= self.start_ns) & (j > i)
-        if not across_gaps and len(self) > 1:
+        if len(self) > 1:
             inside &= ~self.broken[np.minimum(i, len(self) - 2)]
         step = np.where(j > i, self.time_ns[j] - self.time_ns[i], 1)
         share = np.where(inside, (instants - self.time_ns[i]) / step, 0.0)

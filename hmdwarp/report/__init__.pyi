@@ -4,6 +4,7 @@ from .charts import binned as binned
 from .charts import canvas as canvas
 from .charts import css_variables as css_variables
 from .charts import draw_numbers as draw_numbers
+from .charts import paper_bytes as paper_bytes
 from .charts import time_series as time_series
 from .charts import timeline_svg as timeline_svg
 from .files import Panel as Panel
@@ -37,10 +38,10 @@ from .output import validate_summary as validate_summary
 from .page import Section as Section
 from .page import Sentences as Sentences
 from .page import Text as Text
-from .paper import paper_bytes as paper_bytes
 from .paper import write_paper as write_paper
 from .replay_page import WorstFrame as WorstFrame
 from .replay_page import comparison_table as comparison_table
+from .replay_page import live_lines as live_lines
 from .replay_page import panels_of as panels_of
 from .replay_page import render_live_report as render_live_report
 from .replay_page import render_report as render_report
@@ -64,7 +65,6 @@ from .run_texts import filled_rows as filled_rows
 from .run_texts import frame_rows as frame_rows
 from .run_texts import interval as interval
 from .run_texts import listed as listed
-from .run_texts import live_lines as live_lines
 from .run_texts import model_rows as model_rows
 from .run_texts import p_is as p_is
 from .run_texts import p_text as p_text
@@ -82,4 +82,3 @@ from .thesis_page import render_thesis_page as render_thesis_page
 from .trace_plot import headset_plot_png as headset_plot_png
 from .trace_plot import trace_plot_png as trace_plot_png
 from .video import VideoWriter as VideoWriter
-from .video import available_encoders as available_encoders

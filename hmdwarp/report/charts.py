@@ -1,11 +1,11 @@
 """Charts as SVG: what all of them share, lines over time, numbered points, frames in transit.
 
-How they look: the colours and shapes that tell warps, lines and regions apart.
+How they look: the colours and shapes that tell warps and lines apart.
 
 The colours are those of Okabe and Ito (2008, Color Universal Design), as dark as white paper needs
 or as pale as dark paper needs. Of one who sees no green (Machado, Oliveira and Fernandes 2009) all
 eight are at least 15 apart (CIEDE2000); a test computes it. Colour is never alone: warps differ in
-the shape too, lines in the dashes, regions in the hatching.
+the shape too, lines in the dashes.
 
 Charts of a page take their colours and font from the page around them, so that one chart serves
 light and dark: Matplotlib writes stand-in colours, and charts.svg_text() replaces them by the
@@ -20,8 +20,8 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, Literal
-from zlib import crc32
 
 import attrs
 import numpy as np
@@ -38,19 +38,13 @@ _SERIES = (
 )  # fmt: skip
 # As many as have no factor in common with the colours: 56 pairs before one comes again.
 _SHAPES = ("o", "s", "^", "D", "v", "P", "X")
-_REGIONS = (("#11161d", "#ffffff"), ("#4a5563", "#c3ccd6"), ("#8e9aa8", "#8e9aa8"), ("#d5dbe2", "#3c4652"))
-HATCHES = ("", "....", "////", "")
 
-# Stand-in colours, all of one length, and the CSS variables that replace them.
-INK, GRID = "#010101", "#020202"
-SERIES = tuple(f"#0500{number:02x}" for number in range(len(_SERIES)))
-REGION_COLOURS = tuple(f"#0600{number:02x}" for number in range(len(_REGIONS)))
-_TONES = dict(zip((*SERIES, *REGION_COLOURS), (*_SERIES, *_REGIONS), strict=True))
-CSS_VARIABLES = {INK: "--chart-ink", GRID: "--chart-grid"}
-CSS_VARIABLES |= {stand_in: f"--series-{number}" for number, stand_in in enumerate(SERIES, 1)}
-CSS_VARIABLES |= {stand_in: f"--region-{number}" for number, stand_in in enumerate(REGION_COLOURS)}
-# What a chart of a page has on white paper, by stand-in.
-PAPER_COLOURS = {INK: "#30373f", GRID: "#e2e6ea", **{stand_in: light for stand_in, (light, _) in _TONES.items()}}
+# Names of colours: the CSS variables of a page, for which Matplotlib writes stand-ins.
+INK, GRID, *SERIES = "--chart-ink", "--chart-grid", *(f"--series-{number}" for number in range(1, len(_SERIES) + 1))
+_TONES = dict(zip(SERIES, _SERIES, strict=True))
+_STAND_INS = {INK: "#010101", GRID: "#020202"} | {name: f"#0500{number:02x}" for number, name in enumerate(SERIES)}
+_ON_PAPER = {INK: "#30373f", GRID: "#e2e6ea"} | {name: light for name, (light, _) in _TONES.items()}
+_is_on_paper = ContextVar("is_on_paper", default=False)
 
 
 @attrs.frozen
@@ -67,7 +61,7 @@ class Look:
 
 
 def css_variables(dark: bool) -> str:
-    return " ".join(f"{CSS_VARIABLES[stand_in]}: {tones[dark]};" for stand_in, tones in _TONES.items())
+    return " ".join(f"{name}: {tones[dark]};" for name, tones in _TONES.items())
 
 
 Style = dict[str, Any]  # keyword arguments of Matplotlib's functions
@@ -77,12 +71,15 @@ Style = dict[str, Any]  # keyword arguments of Matplotlib's functions
 def drawing(content: object, font_size: float = 9) -> Iterator[None]:
     """Set Matplotlib up: the same content gives the same text; charts share no ids."""
     from matplotlib import rc_context
+    from matplotlib.colors import get_named_colors_mapping
 
     salt = hashlib.sha256(repr(content).encode(errors="replace")).hexdigest()
     settings: Any = {
         "svg.fonttype": "none", "svg.hashsalt": salt, "font.size": font_size, "font.sans-serif": ["DejaVu Sans"],
         "hatch.linewidth": 0.7, "text.parse_math": False, "axes.unicode_minus": True,
     }  # fmt: skip
+    for name, colour in (_ON_PAPER if _is_on_paper.get() else _STAND_INS).items():
+        get_named_colors_mapping()[name] = colour  # one by one: that clears its cache
     with rc_context(settings), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")  # a file name may hold any letter
         yield
@@ -110,8 +107,8 @@ class Drawn(str):
     """A chart as an <svg> element, and the figure that it was drawn as."""
 
     figure: Any
-    # Draws it as wide as a column of a paper, in inches, where it has a layout for that.
-    at_width: Callable[[float], Drawn] | None = None
+    # Draws it again as wide as a column of a paper, in inches; None for a page.
+    at_width: Callable[[float | None], Drawn]
 
 
 def svg_text(figure: Any) -> Drawn:
@@ -121,8 +118,8 @@ def svg_text(figure: Any) -> Drawn:
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     text = buffer.getvalue()
     text = text[text.index("<svg") :]
-    for stand_in, variable in CSS_VARIABLES.items():
-        text = text.replace(stand_in, f"var({variable})")
+    for name, stand_in in _STAND_INS.items():
+        text = text.replace(stand_in, f"var({name})")
     # Matplotlib's <style> would reach the whole page, and its group ids are the same in every
     # chart.
     text = re.sub(r"<style.*?</style>", "", text, flags=re.DOTALL)
@@ -132,13 +129,6 @@ def svg_text(figure: Any) -> Drawn:
     drawn = Drawn('" '.join(parts) + ">" + rest)
     drawn.figure = figure
     return drawn
-
-
-def again(drawn: Drawn, place: object) -> Drawn:
-    """Return a chart to stand in its page once more, with ids of its own for the place."""
-    other = Drawn(re.sub(r'( id="|url\(#|href="#)([^")]+)', rf"\g<1>\g<2>x{crc32(repr(place).encode()):x}", drawn))
-    other.figure = drawn.figure
-    return other
 
 
 @contextmanager
@@ -171,6 +161,21 @@ def empty_figure(width_in: float, height_in: float, layout: Literal["constrained
     figure = Figure(figsize=(width_in, height_in), layout=layout)
     FigureCanvasAgg(figure)
     return figure
+
+
+def paper_bytes(drawn: Drawn, kind: str, width_in: float | None = None) -> bytes:
+    """Return a chart for white paper as a file without a date: "svg", "pdf" or "png"."""
+    dates = {"svg": {"Date": None, "Creator": None}, "pdf": {"CreationDate": None, "Creator": None}}
+    about: Any = {"dpi": 200 if kind == "png" else 72, "metadata": dates.get(kind, {"Software": None})}
+    data, token = io.BytesIO(), _is_on_paper.set(True)
+    try:
+        figure = drawn.at_width(width_in).figure
+        with drawing(str(drawn)):
+            figure.patch.set(visible=True, facecolor="white")
+            figure.savefig(data, format=kind, **about)
+    finally:
+        _is_on_paper.reset(token)
+    return data.getvalue()
 
 
 def png_of(figure: Any, dpi: int) -> bytes:
@@ -363,9 +368,6 @@ class Spot:
     # Its place in the legend, None for those that the legend leaves out.
     number: int | None
 
-    def mark(self, name: str) -> Any:
-        return mark(f"{self.number} {name}", **attrs.asdict(self.look), linestyle="none", markersize=5)
-
 
 def draw_spots(axes: Axes, spots: Sequence[Spot], *, higher: bool = False) -> None:
     """Draw methods, those of a look joined, the front filled. higher: whether higher is better."""
@@ -393,6 +395,50 @@ def draw_spots(axes: Axes, spots: Sequence[Spot], *, higher: bool = False) -> No
         axes.plot(*zip(*own, strict=True), color=look.color, linewidth=0.7, alpha=0.6, zorder=1)
     numbers = {index: spot.number for index, spot in enumerate(spots) if spot.number is not None}
     draw_numbers(axes, numbers, np.stack([cost, error], axis=1), is_best)
+
+
+_BESIDE_IN = (7.7, 4.2)  # right end of the axes and least height, with the names at the right
+_ABOVE: Style = {"xycoords": "axes fraction", "textcoords": "offset points"}
+_KEY: Style = {
+    "borderaxespad": 0.1, "handletextpad": 0.3, "columnspacing": 1.2, "borderpad": 0.2, "handlelength": 1.5,
+}  # fmt: skip
+
+
+def spots_chart(
+    content: object, spots: Sequence[Spot], names: Mapping[int, str], *, x: str, y: str, higher: bool = False,
+    width_in: float | None = None, font_size: float = 9,
+) -> Drawn:  # fmt: skip
+    """Draw methods' error against a cost as an <svg> element, with the names of their numbers.
+
+    names: by number. higher: whether a higher value of y is better. width_in: names stand below;
+    None has them at the right.
+    """
+    numbered = {f"{spot.number} {names[spot.number]}": spot.look for spot in spots if spot.number is not None}
+    line, letter = 0.021 * font_size, 0.0088 * font_size
+    longest, place = max(map(len, numbered), default=0), Style(loc="upper left", ncols=1)
+    if width_in is None:
+        right, least = _BESIDE_IN
+        size = (right + 0.4 + letter * longest, max(least, line * len(numbered) + 0.2))
+        box, place["bbox_to_anchor"] = (0.62, 0.5, right, size[1] - 0.36), ((right + 0.1) / size[0], 1)
+    else:
+        place["ncols"] = max(1, int(width_in / (0.3 + letter * longest)))
+        foot = line * -(-len(numbered) // place["ncols"]) + 0.1
+        size, place["bbox_to_anchor"] = (width_in, foot + 2.8), (0, foot / (foot + 2.8))
+        box = (0.5, foot + 0.4, width_in - 0.08, foot + 2.5)
+    with canvas((content, width_in), size, x=x, y=y, box=box, font_size=font_size) as axes:
+        draw_spots(axes, spots, higher=higher)
+        if spots:
+            axes.annotate("better ↖" if higher else "better ↙", (1, 1), (0, 4), **_ABOVE, ha="right", color=INK)
+        key = mark("Pareto front (filled, bold)", linewidth=1.1, alpha=0.55)
+        legend(axes, [key], loc="lower left", bbox_to_anchor=(0, 1), **_KEY)
+        of_names: Style = {"linestyle": "none", "markersize": 5}
+        handles = [mark(label, **attrs.asdict(look), **of_names) for label, look in numbered.items()]
+        legend(axes.figure, handles, **place, **_KEY)
+        drawn = svg_text(axes.figure)
+    drawn.at_width = lambda wide: spots_chart(
+        content, spots, names, x=x, y=y, higher=higher, width_in=wide, font_size=9 if wide is None else 7
+    )
+    return drawn
 
 
 # (label, colour, opacity, hatch): the server's work, the network and the client's have a colour

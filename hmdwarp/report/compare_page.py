@@ -12,10 +12,21 @@ from ..metrics import PRIMARY, pareto
 from ..scenes.options import KNOWS
 from . import page
 from .bench.page import suite_section
-from .bench.rows import RATED, Case, Column, Conditions, by_name, cases, metric_columns, table_of
-from .charts import Drawn, Look, Spot, again, canvas, draw_spots, legend, svg_text
+from .bench.rows import (
+    RATED,
+    Case,
+    Column,
+    Conditions,
+    by_name,
+    cases,
+    measure_label,
+    metric_columns,
+    table_of,
+    terminal_of,
+)
+from .charts import Look, Spot, spots_chart
 from .page import texts
-from .run_texts import Table, axes_of_traces, counted, source_facts, terminal_table
+from .run_texts import Table, axes_of_traces, counted, source_facts
 
 if TYPE_CHECKING:
     from rich.table import Table as TerminalTable
@@ -33,8 +44,7 @@ OF_COMPARE: Conditions = (
     ("machine", lambda v: f"on {v.get('host')}"),  # times of two are not comparable
 )
 _PICTURE_WIDTH = 420
-_WIDTH_IN, _HEIGHT_IN = 4.7, 3.3
-_CHARS = 66  # in a line of the legend
+_WIDTH_IN = 4.7
 
 
 def _named(row: Row) -> str:
@@ -74,13 +84,12 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> page.
     picture_of = {id(row): picture for row, picture in zip(rows, pictures, strict=True)}
     folds = []
     for number, group in enumerate(groups):
-        table = table_of(f"{group.label}, least FLIP first", columns_of(group.rows), _ordered(group.rows))
+        table = table_of(f"{group.label}, least FLIP first", columns_of(group.rows), group.ordered())
         folds.append(
             page.Fold(group.label, [table, page.Group("panels", _strip(group, picture_of))], is_open=number == 0)
         )
-    drawn: dict[object, Drawn] = {}
     numbers = {strategy["name"]: number for number, strategy in enumerate(data["strategies"], 1)}
-    clients = [_client(client, groups, numbers, drawn) for client in data["clients"]]
+    clients = [_client(client, groups, numbers) for client in data["clients"]]
     about = "{first}{rest}. Crosses the link: {crosses}. Late: {late}. ({source})"
     strategies = [
         (one["name"], about.format(**one, first=one["summary"][0].upper(), rest=one["summary"][1:]))
@@ -140,18 +149,8 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> page.
 
 def compare_table(rows: Iterable[Row]) -> TerminalTable:
     """Return the rows for the terminal, case by case, the least error first."""
-    from rich.text import Text as Words
-
-    shown = [COLUMNS[name] for name in ("flip", "psnr_db", "client_ms", "mbit_s", "start_bytes")]
-    heads = {"start_bytes": "MB first", "mbit_s": "Mbit/s", "client_ms": "ms"}
-    names = (heads.get(column.figure.name, column.figure.label) for column in shown)
-    table = terminal_table(("strategy", *names))
-    for group in cases(rows, OF_COMPARE):
-        table.add_section()
-        table.add_row(Words(group.label, style="bold"))
-        for row in _ordered(group.rows):
-            table.add_row(_named(row), *(column.text(row) for column in shown))
-    return table
+    columns = [COLUMNS[name] for name in ("strategy", "flip", "psnr_db", "client_ms", "mbit_s", "start_bytes")]
+    return terminal_of(columns, cases(rows, OF_COMPARE))
 
 
 def columns_of(rows: Iterable[Row]) -> list[Column]:
@@ -159,15 +158,6 @@ def columns_of(rows: Iterable[Row]) -> list[Column]:
     shown = [row for row in rows if "nothing" not in row]
     rated = shown and all("jod" in row for row in shown)
     return [COLUMNS[name] for name in ("strategy", *_SHOWN, *(("jod", "truth_preferred") if rated else ()))]
-
-
-def _error(row: Row) -> float:
-    error = row["quality"][PRIMARY]["mean"]
-    return float("inf") if error is None else float(error)
-
-
-def _ordered(rows: Iterable[Row]) -> list[Row]:
-    return sorted(rows, key=_error)
 
 
 def ran_text(rows: Sequence[Row]) -> str:
@@ -189,7 +179,7 @@ def _strip(group: Case, picture_of: Mapping[int, Pictures]) -> list[page.Picture
     from PIL import Image
 
     strip: list[page.Picture] = []
-    for row in (row for row in _ordered(group.rows) if "nothing" not in row):
+    for row in (row for row in group.ordered() if "nothing" not in row):
         shown, truth = picture_of[id(row)]()
         pictures = [] if strip else [("what should be seen", truth)]
         for caption, picture in (*pictures, (f"{row['strategy']}: FLIP {COLUMNS[PRIMARY].text(row)}", shown)):
@@ -199,63 +189,37 @@ def _strip(group: Case, picture_of: Mapping[int, Pictures]) -> list[page.Picture
     return strip
 
 
-def _client(
-    client: Mapping[str, str], groups: Sequence[Case], numbers: Mapping[str, int], drawn: dict[object, Drawn]
-) -> page.Article:
-    """Return the fronts of one client: what it can run, case by case.
-
-    numbers: of the strategies, the same in all charts. drawn: the charts so far, by content; those
-    that are the same are drawn once.
-    """
+def _client(client: Mapping[str, str], groups: Sequence[Case], numbers: Mapping[str, int]) -> page.Article:
+    """Return the fronts of one client: what it can run. numbers: of the strategies."""
     folds: list[page.Fold] = []
     for group in groups:
-        can = [row for row in group.rows if not row["unfit"][client["name"]]]
-        charts = page.Group(
-            "charts", [_front(group.label, client["name"], can, cost, numbers, drawn) for cost in COSTS]
-        )
-        folds.append(page.Fold(group.label, [charts], _best(can), is_open=not folds))
+        can = Case(group.label, tuple(row for row in group.rows if not row["unfit"][client["name"]]))
+        least = "It can run none of the strategies."
+        for best in can.ordered()[:1]:
+            columns = [COLUMNS[name] for name in ("flip", "psnr_db", "client_ms", "server_ms", "mbit_s")]
+            parts = [f"{column.figure.label} {column.text(best)} {column.figure.unit}".strip() for column in columns]
+            least = f"Least error: {best['strategy']} ({', '.join(parts[:2])}; {', '.join(parts[2:])})."
+        charts = [_front(can, client["name"], cost, numbers) for cost in COSTS]
+        folds.append(page.Fold(group.label, [page.Group("charts", charts)], least, is_open=not folds))
     return page.Article([page.Heading(client["name"]), page.Text(client["summary"], ""), *folds], id=client["name"])
 
 
-def _best(can: Sequence[Row]) -> str:
-    if not can:
-        return "It can run none of the strategies."
-    best = _ordered(can)[0]
-    shown = [COLUMNS[name] for name in _SHOWN]
-    parts = [f"{column.figure.label} {column.text(best)} {column.figure.unit}".strip() for column in shown]
-    return f"Least error: {best['strategy']} ({', '.join(parts[:2])}; {', '.join(parts[4:7])})."
-
-
-def _front(
-    label: str, client: str, rows: Sequence[Row], cost: str, numbers: Mapping[str, int], drawn: dict[object, Drawn]
-) -> page.Chart:
-    column = COLUMNS[cost]
-    rows = [row for row in rows if row["quality"][PRIMARY]["mean"] is not None]
-    best = pareto(rows, lambda row: (row["quality"][PRIMARY]["mean"], row[cost]))
-    heading = f"error against {' '.join(column.head)}"
-    names = ", ".join(row["strategy"] for row in sorted(best, key=lambda row: row[cost])) or "nothing it can run"
-    words = f"{heading}, {client}, {label}. Front, from cheap to dear: {names}."
-    content = (cost, *((row["strategy"], row["quality"][PRIMARY]["mean"], row[cost]) for row in rows))
-    if content in drawn:
-        return page.Chart.of(heading, again(drawn[content], (client, label)), words, "")
-    across = " in ".join(filter(None, column.head))
-    longest = max((len(row["strategy"]) for row in rows), default=0)
-    ncols = max(1, _CHARS // (longest + 6))
-    foot = 0.17 * -(-len(rows) // ncols)
-    size, box = (_WIDTH_IN, _HEIGHT_IN + foot), (0.62, foot + 0.5, _WIDTH_IN - 0.1, foot + _HEIGHT_IN - 0.15)
-    with canvas((label, client, content), size, x=across, y="FLIP, lower is better", box=box) as axes:
-        spots, handles = [], []
-        for row in sorted(rows, key=lambda row: numbers[row["strategy"]]):
-            number, error = numbers[row["strategy"]], row["quality"][PRIMARY]["mean"]
-            spots.append(Spot(row[cost], [error] * 3, Look.of(number - 1), any(row is one for one in best), number))
-            handles.append(spots[-1].mark(row["strategy"]))
-        draw_spots(axes, spots)
-        legend(  # names of the numbers, below the chart
-            axes.figure, handles, loc="lower left", bbox_to_anchor=(0, 0), ncols=ncols, fontsize=8,
-            borderaxespad=0.1, handletextpad=0.2, columnspacing=1.0, labelspacing=0.25,
-        )  # fmt: skip
-        drawn[content] = svg_text(axes.get_figure())
-    return page.Chart.of(heading, drawn[content], words, "")
+def _front(can: Case, client: str, cost: str, numbers: Mapping[str, int]) -> page.Chart:
+    rows = [(row, row["quality"][PRIMARY]["mean"], row[cost]) for row in can.rows]
+    rows = sorted((one for one in rows if one[1] is not None), key=lambda one: numbers[one[0]["strategy"]])
+    best = pareto(rows, lambda one: one[1:])
+    heading = f"error against {' '.join(COLUMNS[cost].head)}"
+    names = ", ".join(row["strategy"] for row, _, _ in sorted(best, key=lambda one: one[2])) or "nothing it can run"
+    words = f"{heading}, {client}, {can.label}. Front, from cheap to dear: {names}."
+    spots, names_of = list[Spot](), dict[int, str]()
+    for one in rows:
+        row, error, value = one
+        number = numbers[row["strategy"]]
+        names_of[number] = row["strategy"]
+        spots.append(Spot(value, [error] * 3, Look.of(number - 1), one in best, number))
+    x, about = " in ".join(filter(None, COLUMNS[cost].head)), (can.label, client, cost, [one[1:] for one in rows])
+    drawn = spots_chart(about, spots, names_of, x=x, y=measure_label(PRIMARY), width_in=_WIDTH_IN)
+    return page.Chart.of(heading, drawn, words, "")
 
 
 def _assigned_table(data: Mapping[str, Any]) -> Table:

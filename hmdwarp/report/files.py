@@ -9,11 +9,12 @@ import io
 import json
 import os
 import re
+import shutil
 import uuid
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO, Any, BinaryIO
+from typing import IO, Any
 
 import attrs
 import numpy as np
@@ -46,45 +47,63 @@ def write_error(error: OSError, path: Path) -> HmdwarpError:
 
 @attrs.define
 class Partial:
-    """A new file beside its final one, less what killed runs left of it. Errors: OSError."""
+    """A hidden file or folder that is being written, less what killed runs left of its name.
+
+    It holds a lock while it lives, so that no other run takes it for one left behind.
+    """
 
     path: Path
-    # Holds a lock while this file is written, so that no other run takes it for one left behind.
     _handle: int
+    # Those left behind that held this file.
+    ended: int = 0
 
     @classmethod
     def of(cls, final: Path) -> Partial:
+        """Make a file beside its final place. Errors: OSError."""
+        return cls.make(final.parent, f".{final.name[:_STEM]}.", ".part")
+
+    @classmethod
+    def make(
+        cls, parent: Path, begin: str, end: str = "", *, mode: int = 0o777, is_folder: bool = False, last: str = ""
+    ) -> Partial:
+        """Make a file or folder of such a name; last: counts in `ended`. Errors: OSError."""
+        gone = (FileNotFoundError,) if is_folder else ()
         while True:
-            path = final.with_name(f".{final.name[:_STEM]}.{uuid.uuid4().hex[:8]}.part")
-            handle = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666)
-            lock(handle, wait=True)
-            if os.fstat(handle).st_nlink:
-                break
-            os.close(handle)  # another run found it before it was locked
-        _sweep(final, but=path)
-        return cls(path, handle)
+            path, flags = parent / f"{begin}{uuid.uuid4().hex[:8]}{end}", os.O_CREAT | os.O_EXCL | os.O_WRONLY
+            if is_folder:
+                path.mkdir(mode=mode)
+                flags = os.O_RDONLY
+            with suppress(*gone):  # another run found it before it was locked
+                found = cls(path, os.open(path, flags, 0o666))
+                lock(found._handle, wait=True)
+                if path.exists():
+                    break
+                os.close(found._handle)
+        ours = re.compile(rf"{re.escape(begin)}[0-9a-f]{{8}}{re.escape(end)}")
+        for left in os.scandir(parent):
+            kind = left.is_dir if is_folder else left.is_file
+            if left.path == str(path) or not ours.fullmatch(left.name) or not kind(follow_symlinks=False):
+                continue
+            with suppress(OSError):  # another user's, or deleted by another run
+                handle = os.open(left.path, os.O_RDONLY)
+                try:
+                    if lock(handle):
+                        other = cls(Path(left.path), -1)
+                        found.ended += bool(last) and (other.path / last).exists()
+                        other.close()
+                finally:
+                    os.close(handle)
+        return found
 
     def close(self) -> None:
+        """Delete it, where it is still there."""
+        if self.path.is_dir():
+            shutil.rmtree(self.path, ignore_errors=True)
         with suppress(OSError):
             self.path.unlink()
         if self._handle >= 0:
             os.close(self._handle)
             self._handle = -1
-
-
-def _sweep(final: Path, but: Path) -> None:
-    """Delete the partial files of a name that no process writes."""
-    ours = re.compile(rf"\.{re.escape(final.name[:_STEM])}\.[0-9a-f]{{8}}\.part")
-    for left in os.scandir(final.parent):
-        if left.path == str(but) or not ours.fullmatch(left.name) or not left.is_file(follow_symlinks=False):
-            continue
-        with suppress(OSError):  # another user's file, or deleted by another run
-            handle = os.open(left.path, os.O_RDONLY)
-            try:
-                if lock(handle):
-                    Path(left.path).unlink()
-            finally:
-                os.close(handle)
 
 
 def lock(handle: int, *, wait: bool = False) -> bool:
@@ -136,15 +155,9 @@ def sync(path: Path) -> None:
         os.close(handle)
 
 
-@contextmanager
-def _opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
-    with atomic(path) as temporary, temporary.open("wb") as file:
-        yield file
-
-
 def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
-    with _opened(path) as file:
-        file.write(content)
+    with atomic(path) as temporary:
+        temporary.write_bytes(content)
 
 
 def write_text(path: str | os.PathLike[str], content: str) -> None:
@@ -177,38 +190,9 @@ def refuse_source(path: Path, source: Path) -> None:
 
 
 def write_json(path: str | os.PathLike[str], value: Any) -> None:
-    """Write indented JSON, keys in their order.
-
-    A sequence in a mapping that is no list, such as rows on the disk, is written piece by piece.
-    Errors: ValueError for NaN and infinity, which are no JSON.
-    """
-    with _opened(path) as file:
-        for text in _json_parts(value):
-            file.write(text.encode(errors="replace"))  # as write_text
-        file.write(b"\n")
-
-
-def _json_parts(value: Any) -> Iterator[str]:
-    if not isinstance(value, Mapping) or not any(map(_is_long, value.values())):
-        yield _json(value)
-        return
-    for number, (name, one) in enumerate(value.items()):
-        yield f"{',' if number else '{'}\n  {_json(name)}: "
-        if _is_long(one):
-            yield from (f"{',' if at else '['}\n    {_json(part, '    ')}" for at, part in enumerate(one))
-            yield "\n  ]" if len(one) else "[]"
-        else:
-            yield _json(one, "  ")
-    yield "\n}"
-
-
-def _is_long(value: Any) -> bool:
-    return isinstance(value, Sequence) and not isinstance(value, list | tuple | str | bytes)
-
-
-def _json(value: Any, indent: str = "") -> str:
+    """Write indented JSON, keys in their order. Errors: ValueError for NaN and infinity."""
     text = json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False, default=_plain)
-    return text.replace("\n", f"\n{indent}")
+    write_bytes(path, f"{text}\n".encode(errors="replace"))  # as write_text
 
 
 def _plain(value: Any) -> Any:

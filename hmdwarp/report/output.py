@@ -6,13 +6,12 @@ the command that made it; `force` (`--force`) overrides it.
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
-import shutil
 import sys
-import uuid
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +22,7 @@ from ..metrics import QUALITY, STAGES
 from ..options.documents import json_in
 from ..options.named_files import RESULTS
 from ..resources import __version__
-from .files import keep_private, lock, write_bytes, write_csv, write_error, write_json, write_png, write_text
+from .files import Partial, keep_private, write_bytes, write_csv, write_error, write_json, write_png, write_text
 
 STAGING = ".partial-"
 MARK = "hmdwarp"  # key of the version in the last file of a folder, by which it is known as ours
@@ -67,18 +66,17 @@ class OutputFolder:
         self._owned, self._last = tuple(owned), last
         self._may_replace = force
         self._made: Path | None = None
-        self._staging = self.folder / f"{STAGING}{uuid.uuid4().hex[:8]}"
-        self._lock = -1
+        self._close: Callable[[], None] = lambda: None  # deletes the hidden folder
         try:
             missing = [p for p in (self.folder, *self.folder.parents) if not p.exists()]
             self._made = missing[-1] if missing else None
             self.folder.mkdir(parents=True, exist_ok=True)
-            with _locked(self.folder):  # else another run takes a folder just made for one left behind
-                # One that was killed while it gave the names has no `last` next to them.
-                self._may_replace |= self._clean_up()
-                self._refuse_others(path for pattern in (*self._owned, last) for path in self.folder.glob(pattern))
-                self._staging.mkdir(mode=0o700 if private else 0o777)
-                self._lock = _lock(self._staging)
+            mode = 0o700 if private else 0o777
+            staged = Partial.make(self.folder, STAGING, mode=mode, is_folder=True, last=last)
+            self._staging, self._close = staged.path, staged.close
+            # A run that was killed while it gave the names has no `last` next to them.
+            self._may_replace |= bool(staged.ended)
+            self._refuse_others(path for pattern in (*self._owned, last) for path in self.folder.glob(pattern))
             probe = self._staging / "probe"
             with probe.open("wb") as file:
                 file.write(bytes(4096))  # a file of 0 bytes fits on a full disk
@@ -149,18 +147,7 @@ class OutputFolder:
                 (self._staging / name).replace(current)
         except OSError as error:
             raise write_error(error, current) from error
-        self._remove_staging()
-
-    def _clean_up(self) -> bool:
-        """Delete what killed runs left; return whether one of them was giving the names."""
-        interrupted = False
-        for left in self.folder.glob(f"{STAGING}*"):
-            if (lock := _lock(left)) < 0:
-                continue  # of a run that still lives
-            interrupted |= (left / self._last).exists()
-            shutil.rmtree(left, ignore_errors=True)
-            os.close(lock)
-        return interrupted
+        self._close()
 
     def _refuse_others(self, paths: Iterable[Path]) -> None:
         """Refuse to overwrite what another program wrote. Errors: InputError naming the first."""
@@ -177,15 +164,9 @@ class OutputFolder:
                     "it with --force"
                 )
 
-    def _remove_staging(self) -> None:
-        shutil.rmtree(self._staging, ignore_errors=True)
-        if self._lock >= 0:
-            os.close(self._lock)
-            self._lock = -1
-
     def discard(self) -> None:
         """Delete the files written so far, and the folder if this made it and it is empty."""
-        self._remove_staging()
+        self._close()
         folder = self.folder
         while self._made is not None and folder.is_relative_to(self._made):
             try:
@@ -208,28 +189,6 @@ class OutputFolder:
         except BaseException:
             self.discard()
             raise
-
-
-@contextmanager
-def _locked(folder: Path) -> Iterator[None]:
-    """Keep other runs from looking for staging folders while the block lasts."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        lock(handle, wait=True)
-        yield
-    finally:
-        os.close(handle)
-
-
-def _lock(folder: Path) -> int:
-    try:
-        handle = os.open(folder, os.O_RDONLY)
-    except OSError:
-        return -1
-    if lock(handle):
-        return handle
-    os.close(handle)
-    return -1
 
 
 SCHEMA = 1
@@ -293,8 +252,15 @@ def summary_faults(summary: Any) -> list[str]:
     for key, expected, fits in _CHECKS:
         if key in summary and not fits(summary[key]):
             faults.append(f"'{key}' is {summary[key]!r}, expected {expected}")
-    faults += _table_faults(summary, "time_ms", STAGES, ("median", "p95"))
-    faults += _table_faults(summary, "quality", QUALITY, ("mean", "p95"))
+    for table, names, middle in (("time_ms", STAGES, "median"), ("quality", QUALITY, "mean")):
+        for name, figure in itertools.product(names if table in summary else (), (middle, "p95")):
+            try:
+                value = summary[table][name][figure]
+            except (LookupError, TypeError):
+                faults.append(f"'{table}.{name}.{figure}' is missing")
+            else:
+                if value is not None and not _is_number(value):
+                    faults.append(f"'{table}.{name}.{figure}' is {value!r}, expected a finite number or null")
     return faults
 
 
@@ -340,18 +306,3 @@ _CHECKS: tuple[tuple[str, str, Callable[[Any], bool]], ...] = (
     ("predict", "a text", _is_text),
     ("strategy", "a text", _is_text),
 )
-
-
-def _table_faults(summary: Mapping[str, Any], key: str, names: tuple[str, ...], figures: tuple[str, ...]) -> list[str]:
-    table = summary.get(key, {})
-    if not isinstance(table, Mapping):
-        return [f"'{key}' is {table!r}, expected an object"]
-    faults = []
-    for name in names if key in summary else ():
-        entry = table.get(name)
-        if not isinstance(entry, Mapping) or not set(figures) <= set(entry):
-            faults.append(f"'{key}.{name}' is {entry!r}, expected {' and '.join(figures)}")
-            continue
-        bad = [f for f in figures if entry[f] is not None and not _is_number(entry[f])]
-        faults += [f"'{key}.{name}.{f}' is {entry[f]!r}, expected a finite number or null" for f in bad]
-    return faults

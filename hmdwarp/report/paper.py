@@ -12,7 +12,7 @@ from typing import Any
 
 from ..options import PAPER_TABLES, PaperOptions
 from ..resources import __version__
-from .charts import PAPER_COLOURS, Drawn, drawing
+from .charts import Drawn, paper_bytes
 from .files import inert_text
 from .output import OutputFolder
 from .page import Chart, Page
@@ -51,13 +51,11 @@ def write_paper(out: OutputFolder, page: Page, options: PaperOptions) -> None:
                 assert isinstance(drawn, Drawn)
                 stem = f"{name}-{measure}" if measure else name
                 wide = options.columns * (_COLUMN_IN + _GAP_IN) - _GAP_IN
-                fitted = drawn.at_width(wide) if drawn.at_width else drawn
                 for kind in options.plots:
-                    out.path(f"{stem}.{kind}").write_bytes(paper_bytes(fitted, kind))
+                    out.path(f"{stem}.{kind}").write_bytes(paper_bytes(drawn, kind, wide))
                 if "latex" in options.tables and "pdf" in options.plots:
                     content = f"\\includegraphics[width=\\linewidth]{{{Path(stem).name}.pdf}}"
-                    spans = bool(fitted.figure.get_size_inches()[0] > _COLUMN_IN)
-                    floated = _float("figure", spans, words, Path(stem).name, content)
+                    floated = _float("figure", options.columns > 1 or where == "crops", words, Path(stem).name, content)
                     out.write_text(f"{stem}-figure.tex", f"% {made}\n% \\graphicspath{{{{paper/}}}}\n{floated}")
 
 
@@ -134,32 +132,3 @@ def _csv(table: Table) -> str:
         cells = ["" if cell.text == "–" else inert_text(cell.text) for cell in line.cells]
         writer.writerow([*([inert_text(group)] if grouped else []), *cells])
     return text.getvalue()
-
-
-def paper_bytes(drawn: Drawn, kind: str) -> bytes:
-    """Return a chart for white paper as a file without a date: "svg", "pdf" or "png"."""
-    figure, data = drawn.figure, io.BytesIO()
-    no_date = {"svg": {"Date": None, "Creator": None}, "pdf": {"CreationDate": None, "Creator": None}}
-    with drawing(str(drawn)):
-        figure.set_dpi(200 if kind == "png" else 72)  # ticks are made while drawing, and must be there to be recoloured
-        figure.draw_without_rendering()
-        for artist in figure.findobj():
-            _recolour(artist)
-            if getattr(artist, "arrow_patch", None) is not None:
-                _recolour(artist.arrow_patch)
-        figure.patch.set(visible=True, facecolor="white")
-        figure.savefig(data, format=kind, dpi=figure.dpi, metadata=no_date.get(kind, {"Software": None}))
-    return data.getvalue()
-
-
-def _recolour(artist: Any) -> None:
-    from matplotlib.colors import to_hex, to_rgba_array
-
-    for of in ("color", "facecolor", "edgecolor", "markerfacecolor", "markeredgecolor"):
-        get = getattr(artist, f"get_{of}", None)
-        if get is None or (of == "color" and hasattr(artist, "get_facecolor")):
-            continue
-        colours = to_rgba_array(get())
-        mended = [(PAPER_COLOURS.get(to_hex(colour), colour[:3]), colour[3]) for colour in colours]
-        if len(colours) and any(to_hex(colour) in PAPER_COLOURS for colour in colours):
-            getattr(artist, f"set_{of}")(mended[0] if len(mended) == 1 else mended)

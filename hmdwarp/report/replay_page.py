@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -297,9 +298,6 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
     pairs += [(name, summary[name]) for name in ("fill", "lens")]
     over_time = [page.Group("charts", _live_charts(summary, column)), page.Text(texts("live")["notes"]["charts"])]
     errors = run_texts.listed([metric.short_label for metric in metrics_in_order() if Input.TRUTH in metric.needs])
-    collector = live["garbage_collector"]
-    when = "between the pictures" if collector["between"] else "at any time"
-    collected = f"{sum(collector['collections'])} collections, {collector['total_ms']:.1f} ms in all"
     notices = "; ".join(f"{text} ({count}×)" for text, count in live["notices"].items())
     return page.Page(
         kind="live",
@@ -317,7 +315,6 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
             page.reading_section(
                 "live",
                 *([("Shown over the picture", notices)] if notices else []),
-                ("Garbage collector", f"{when}: {collected}, the longest {collector['longest_ms']:.2f} ms."),
                 errors=errors,
                 waiting=str(live["waiting"]),
                 unseen=str(live["unseen"]),
@@ -335,8 +332,8 @@ def _live_tiles(summary: Summary) -> list[page.Tile]:
     live, holes, total = summary["live"], metrics.get("hole_share"), summary["time_ms"]["total"]
     share, time = holes.figure.text(summary["quality"][holes.name]["mean"]), run_texts.TIME_FIGURES[-1]
     handed, waits = "from reading the head to submitting the picture", run_texts.waited_text(live)
-    missed, longest, judder = run_texts.miss_texts(summary["miss"])
-    miss = page.Tile("Missed refreshes", "%", missed, f"at most {longest} in a row; judder {judder} deg RMS")
+    missed, longest = run_texts.miss_texts(summary["miss"])
+    miss = page.Tile("Missed refreshes", "%", missed, f"at most {longest} in a row")
     return [
         tile("Frame age at display", _MS, live["age_ms"], "from drawing to showing"),
         tile("Pose age at frame submission", _SHORT_MS, live["pose_age_ms"], handed),
@@ -344,6 +341,21 @@ def _live_tiles(summary: Summary) -> list[page.Tile]:
         tile("Time per eye", time, total, "all stages"),
         page.Tile(holes.label, holes.figure.unit, share, holes.tile_note),
     ]
+
+
+def live_lines(summary: Summary, folder: Path | None) -> list[str]:
+    """Return the lines that end a live run. summary: empty if no picture was shown."""
+    if not summary:
+        return ["no picture was shown"]
+    live = summary["live"]
+    rate = f", {(live['refreshes'] - 1) / live['seconds']:.1f} a second" if live["seconds"] > 0 else ""
+    lines = [("Shown", f"{run_texts.counted(live['refreshes'], 'picture')} in {live['seconds']:.1f} s{rate}")]
+    for tile in _live_tiles(summary):
+        if tile.text != "–" or not tile.unit:
+            lines.append((tile.label, f"{f'{tile.text} {tile.unit}'.strip()}, {tile.note}"))
+    lines += [("note", note) for note in summary["notes"]]
+    lines += [] if folder is None else [("report", str(folder / "report.html"))]
+    return [f"{label + ':':<30}{text}" for label, text in lines]
 
 
 def _refresh(summary: Summary) -> page.Section:

@@ -26,7 +26,7 @@ from .run_texts import Cell, Line, Table, counted, figure_of
 
 DIFF_PAGE = "diff.html"
 # Keys of a summary that hold figures; ROWS: of frames.csv.
-SECTIONS = ("quality", "regions", "filled", "against", "link", "coding", "second_eye", "gaze", "jod", "hidden", "input")
+SECTIONS = ("quality", "regions", "filled", "against", "link", "coding", "gaze", "jod", "hidden", "input")
 ROWS = "rows"
 # What other keys say already, and what equal runs may have otherwise.
 _LEFT_OUT = frozenset({*TIMED_KEYS, "gate", "interval", "difference", "timeline"})

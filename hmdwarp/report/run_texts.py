@@ -5,18 +5,18 @@ from __future__ import annotations
 import functools
 import math
 import re
+import textwrap
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from decimal import ROUND_HALF_UP, Decimal
 from importlib import resources
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import attrs
 from markupsafe import Markup
 
 from .. import errors
-from ..metrics import JOD, STAGES, Figure, metrics, metrics_in_order
+from ..metrics import JOD, STAGES, Figure, metrics_in_order
 
 if TYPE_CHECKING:
     from rich.table import Table as TerminalTable
@@ -142,19 +142,33 @@ class Table:
         lines = [heads, rule, *([cell.text for cell in line.cells] for line in self.lines)]
         return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
-    def terminal(self, columns: Sequence[int], **options: Any) -> TerminalTable:
-        """Return these columns for the terminal; the best of a line has a star."""
+    def terminal(self, columns: Sequence[int] = (), /, **titles: str) -> TerminalTable:
+        """Return these columns, or all, for the terminal: heads above units, the best bold.
+
+        Names fold where there is no room. A marked line begins with a star; in a table without
+        marks the best has one.
+        """
         from rich.text import Text
 
-        table = terminal_table(padding=(0, 1), **options)
+        columns = columns or range(len(self.heads))
+        written: Any = {name: Text(text) for name, text in titles.items()}
+        table = terminal_table(["*"] * self.has_marks, **written)
         for at in columns:
-            dim = "dim" if self.style_of(at) == "tail" else None
-            table.add_column(self.heads[at][0], justify="right" if at else "left", style=dim)
+            is_name, dim = at == 0 or self.style_of(at) == "word", "dim" if self.style_of(at) == "tail" else None
+            how: Any = {"justify": "left" if is_name else "right", "overflow": "fold", "no_wrap": not is_name}
+            label, unit = self.heads[at]
+            head = "\n".join([*textwrap.wrap(label, 60 if is_name else 20), *([unit] if unit else [])])
+            table.add_column(head, style=dim, **how)
         for line in self.lines:
-            if line.group and table.rows:
+            if line.group:
                 table.add_section()
-            cells = [(cell.text, cell.style == "best") for cell in (line.cells[at] for at in columns)]
-            table.add_row(*(Text(f"{text} *", "bold green") if is_best else Text(text) for text, is_best in cells))
+                table.add_row(*[""] * self.has_marks, Text(line.group, "bold"))
+            cells = [Text("*" * line.is_marked, "bold green")] * self.has_marks
+            for cell in (line.cells[at] for at in columns):
+                is_best = cell.style == "best"
+                starred = is_best and not self.has_marks
+                cells.append(Text(cell.text + " *" * starred, ("bold green" if starred else "bold") if is_best else ""))
+            table.add_row(*cells)
         return table
 
     def text(self) -> str:
@@ -209,7 +223,6 @@ _BY_NAME |= {name: Figure(name, name, "Mbit/s", 2, higher_is_better=False) for n
 _MISS = (
     Figure("stale_share", "Missed refreshes", "%", 1, 100.0),
     Figure("longest_stale", "Most missed in a row", "", 0),
-    Figure("judder_deg", "Judder, RMS", "deg", 3),
 )
 _MS = Figure("", "", "ms", 2)
 _TROUBLE = ("skipped", "unchanged", "dropped", "lost", "late", "superseded", "undecodable")
@@ -246,7 +259,7 @@ def drawing_text(summary: Summary) -> str:
 
 
 def miss_texts(entry: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the missed refreshes, the most in a row and the judder. entry: a summary's `miss`."""
+    """Return the missed refreshes and the most in a row. entry: a summary's `miss`."""
     return tuple(figure.text(entry[figure.name]) for figure in _MISS)
 
 
@@ -323,10 +336,6 @@ def coding_rows(summary: Summary) -> Pairs:
             ("from the server to the proxy", f"{proxy['latency_ms']:g} ms, {proxy['mbit_s']:.1f} Mbit/s{coded}"),
             ("the proxy's warp to fill, one eye (median)", _with_unit(took, "ms")),
         ]
-    if "resolution" in link:
-        counts = {f"{float(scale):.0%}": count for scale, count in link["resolution"]["frames"].items() if count}
-        rows += [(f"frames at {share} of the width and height", str(count)) for share, count in counts.items()]
-        rows.append(("changes of resolution", str(link["resolution"]["changes"])))
     return rows
 
 
@@ -350,36 +359,6 @@ def transit_lines(summary: Summary) -> list[str]:
     return lines
 
 
-def live_lines(summary: Summary, folder: Path | None) -> list[str]:
-    """Return the lines that end a live run. summary: empty if no picture was shown."""
-    if not summary:
-        return ["no picture was shown"]
-    live, drawn = summary["live"], "drawing" if "recorded" not in summary else "reading"
-    of_refresh = f", of {live['budget_ms']:.2f} ms for a refresh"
-    share, longest, judder = miss_texts(summary["miss"])
-    rate = f", {(live['refreshes'] - 1) / live['seconds']:.1f} a second" if live["seconds"] > 0 else ""
-    missed = f"{live['missed']} missed ({share} %, at most {longest} in a row)" if live["missed"] else "none missed"
-    missed += f": {waits}" if (waits := waited_text(live)) else ""
-    entry, text = summary["quality"]["hole_share"], metrics.get("hole_share").figure.text
-    holes = "" if entry["mean"] is None else f"{text(entry['mean'])} %, p95 {text(entry['p95'])}"
-    times, clock = summary["time_ms"], "" if summary["clock"] == "gpu" else ", by the wall clock"
-    stages = [(figure.name, times[figure.name]["median"]) for figure in TIME_FIGURES[:-1]]
-    parts = [f"{name} {median:.2f}" for name, median in stages if median]
-    figures = [
-        ("shown", f"{counted(live['refreshes'], 'picture')} in {live['seconds']:.1f} s{rate}; {missed}"),
-        ("judder", f"{judder} deg RMS" if live["missed"] else ""),
-        ("frame age at display", _pair(live["age_ms"])),
-        ("pose age at submission", _pair(live["pose_age_ms"])),
-        ("frame interval", _pair(live["period_ms"])),
-        ("time per eye", _pair(times["total"], f": {', '.join(parts) or 'no pass ran'}{clock}")),
-        (f"{drawn} and {eyes_text(summary)}", _pair(live["refresh_ms"]["total"], of_refresh)),
-        ("holes before the fill", holes),
-    ]
-    lines = [f"{label:<24}{text}" for label, text in figures if text]
-    lines += [f"note: {note}" for note in summary["notes"]]
-    return lines + ([f"report: {folder / 'report.html'}"] if folder is not None else [])
-
-
 def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
     """Return (part, median ms of all eyes, p95 ms, share) of a refresh, then the sum."""
     live = summary["live"]
@@ -400,7 +379,3 @@ def waited_text(live: Mapping[str, Any]) -> str:
     if live["missed"] or share < _HARDLY:
         return ""
     return f"this display waits for each picture, and {share:.0%} took longer than a refresh"
-
-
-def _pair(entry: Mapping[str, float | None], more: str = "") -> str:
-    return "" if entry["median"] is None else f"{entry['median']:.2f} ms, p95 {entry['p95']:.2f}{more}"

@@ -129,7 +129,9 @@ def _ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
                 across: Style = {"linewidth": 2.2, "zorder": 2, "solid_capstyle": "butt"}
                 axes.plot([at - 0.3, at + 0.3], [row["median"]] * 2, color=INK, **across)
                 axes.plot(at - 0.36, row["mean"], ">", markersize=6, color=INK, zorder=4)
-        labels = [f"{_wrapped(_condition_text(row))}\nn = {row['n']}" for row in map(by_name.__getitem__, names)]
+        labels = [
+            f"{textwrap.fill(_condition_text(row), _WRAP)}\nn = {row['n']}" for row in map(by_name.__getitem__, names)
+        ]
         axes.set_xticks(range(len(names)), labels)
         axes.set_xlim(-0.6, len(names) - 0.4)
         axes.set_ylim(_limits(measure, values))
@@ -188,26 +190,8 @@ def _score_chart(part: Row) -> str:
             if row["low"] is not None:
                 axes.plot([row["low"], row["high"]], [y, y], color=_BETTER, linewidth=2.5, solid_capstyle="butt")
             axes.plot(row["jod"], y, "o", color=_BETTER, markersize=8)
-        axes.set_yticks(range(len(rows)), [_wrapped(_condition_text(row)) for row in rows])
+        axes.set_yticks(range(len(rows)), [textwrap.fill(_condition_text(row), _WRAP) for row in rows])
         axes.set_ylim(-0.6, len(rows) - 0.4)
-        return svg_text(axes.get_figure())
-
-
-def _place_chart(part: Row, measure: Row) -> str:
-    """Draw each rating, less its participant's and condition's mean, against its trial's place."""
-    places = np.array([place["place"] for place in part["places"]])
-    rest = np.array([place["rest"] for place in part["places"]])
-    labels: Style = {"x": "place of the trial in the session", "y": f"{measure['unit']} (up is better)"}
-    with canvas((part["part"], "places", rest.tolist()), (5.0, 2.4), **labels) as axes:
-        axes.axhline(0, color=INK, linewidth=1)
-        dots: Style = {"color": _BETTER, "alpha": 0.35, "markersize": 3.5, "markeredgewidth": 0}
-        axes.plot(places + _spread(len(places)), rest, "o", **dots)
-        levels = np.unique(places)
-        means = [rest[places == level].mean() for level in levels]
-        axes.plot(levels, means, "D-", color=_WORSE, markersize=5, linewidth=1.2)
-        axes.set_xticks(levels if len(levels) <= 20 else levels[:: len(levels) // 10])
-        if measure["low_is_good"]:
-            axes.invert_yaxis()
         return svg_text(axes.get_figure())
 
 
@@ -218,14 +202,6 @@ def _shifts(ratings: Mapping[str, float]) -> dict[str, float]:
         groups.setdefault(value, []).append(who)
     step = min(0.07, 0.5 / max(map(len, groups.values()), default=1))
     return {who: step * (k - (len(people) - 1) / 2) for people in groups.values() for k, who in enumerate(people)}
-
-
-def _wrapped(name: str) -> str:
-    # After a comma first: "forward + interpolate, 200 ms" keeps its 200 ms together. Then at a
-    # space, or after the plus of a chain of fills.
-    parts = (part.replace("+", "+\0 ").replace("+\0  ", "+ ") for part in name.split(", "))
-    lines = (line for part in parts for line in textwrap.wrap(part, _WRAP, break_on_hyphens=False) or [part])
-    return "\n".join(line.replace("\0 ", "").replace("\0", "") for line in lines)
 
 
 def _limits(measure: Row, values: Sequence[float]) -> tuple[float, float]:
@@ -372,21 +348,14 @@ def _order(scales: Sequence[Row]) -> list[Any]:
                     page.Heading(part["part"] or "All conditions", scale["measure"]["title"] if len(scales) > 1 else "")
                 )
             blocks.append(_said(part["order_sentences"]))
-            if part["places"]:
-                heading, words = "Ratings less the person's and the condition's mean", part["order_sentences"][0]
-                chart = page.Chart.of(heading, _place_chart(part, scale["measure"]), words, "")
-                blocks.append(page.Group("charts", [chart]))
     return blocks
 
 
 def _checked(scales: Sequence[Row]) -> page.Section:
-    """Return what was checked: rows that two parts share, and published figures."""
+    """Return what published figures are held against."""
     blocks: list[Any] = []
     for scale in scales:
-        copied, claims = scale["copied"], scale["claims"]
-        if copied:
-            blocks += [page.Heading("Rows that two parts share"), _said([row["sentence"] for row in copied])]
-        if claims:
+        if claims := scale["claims"]:
             marks = ["yes" if row["follows"] else "no" for row in claims]
             note = texts("study")["notes"]["claims"].format(why_step=scale["why_step"])
             blocks += [

@@ -1,8 +1,8 @@
 """H.264 video of a run, through PyAV.
 
 The encoder depends on PyAV's own build: libopenh264 (BSD licence), else libx264 (GPL-2.0-or-later:
-it is in PyAV's own wheels, hmdwarp neither contains nor links it), else a graphics card's. What a
-distribution of hmdwarp together with PyAV must observe follows from the one that PyAV brings.
+it is in PyAV's own wheels, hmdwarp neither contains nor links it). What a distribution of hmdwarp
+together with PyAV must observe follows from the one that PyAV brings.
 """
 
 from __future__ import annotations
@@ -19,28 +19,22 @@ from ..errors import HmdwarpError, InputError, MachineError
 from ..resources import pyav
 from .files import Partial, write_error
 
-_BY_CARDS = ("h264_nvenc", "h264_qsv", "h264_amf", "h264_videotoolbox", "h264_vaapi", "h264_v4l2m2m")
-ENCODERS = ("libopenh264", "libx264", *_BY_CARDS)
-_OPTIONS = {
-    "libx264": {"crf": "18", "preset": "veryfast"},  # 18: no difference to be seen at normal distance
+# Either is in PyAV's wheels; 18: no difference to be seen at normal distance.
+ENCODERS = {
     "libopenh264": {"rc_mode": "quality", "qmin": "10", "qmax": "24"},
-    "h264_nvenc": {"rc": "constqp", "qp": "18"},
+    "libx264": {"crf": "18", "preset": "veryfast"},
 }
 _BT709, _LIMITED = 1, 1  # the same number in FFmpeg's colour space, primaries and transfer enumerations; range "tv"
 
 
-def available_encoders() -> list[str]:
-    """Return the H.264 encoders of this PyAV, the preferred first; a card's may refuse to open."""
+def encoder_name() -> str:
+    """Return the H.264 encoder of this PyAV. Errors: MachineError without one."""
     av = pyav()
-
-    def can_encode(name: str) -> bool:
-        try:
-            av.Codec(name, "w")
-        except (ValueError, av.FFmpegError):  # it decodes only
-            return False
-        return True
-
-    return [name for name in ENCODERS if name in av.codecs_available and can_encode(name)]
+    found = [name for name in ENCODERS if name in av.codecs_available]
+    if not found:
+        what = "cannot write a video: it was built without libopenh264 and libx264"
+        raise MachineError(f"PyAV {av.__version__} {what}; install PyAV from its wheel (pip install av)")
+    return found[0]
 
 
 class VideoWriter:
@@ -54,7 +48,7 @@ class VideoWriter:
     of single pixels blur. It gets its name by close(); abort(), an exception in the block, or
     close() before the first picture leaves nothing.
 
-    Errors: MachineError if PyAV has no H.264 encoder that opens, or the disk is full; InputError
+    Errors: MachineError if PyAV has no H.264 encoder, or the disk is full; InputError
     for a place that cannot be written, a size below 16 or a rate beyond 0..1000; HmdwarpError for a
     picture of another size.
     """
@@ -65,6 +59,7 @@ class VideoWriter:
         if min(size) < 16 or not 0 < rate <= 1000:
             found = f"video of {size[0]}x{size[1]} at {rate:g} pictures per second"
             raise InputError(f"{found}: expected at least 16x16 and a rate above 0, at most 1000")
+        name, frames_s = encoder_name(), Fraction(rate).limit_denominator(1001)
         self.frames = 0
         self._open = True
         try:
@@ -77,32 +72,20 @@ class VideoWriter:
             self._partial.close()
             raise _video_error(error, self.path) from error
         try:
-            self._stream = self._first_that_opens(Fraction(rate).limit_denominator(1001))
-        except BaseException:
+            self._stream = self._container.add_stream(name, rate=frames_s)
+            context = self._stream.codec_context
+            context.width, context.height = size[0] + size[0] % 2, size[1] + size[1] % 2
+            context.pix_fmt, context.options = "yuv420p", dict(ENCODERS[name])
+            context.framerate, context.time_base = frames_s, 1 / frames_s
+            context.color_range = _LIMITED
+            context.colorspace = context.color_primaries = context.color_trc = _BT709
+            context.open()
+        except BaseException as error:
             self.abort()
+            if isinstance(error, OSError | ValueError | av.FFmpegError):
+                raise _video_error(error, self.path) from error
             raise
-        self.encoder: str = self._stream.codec_context.codec.name
-
-    def _first_that_opens(self, rate: Fraction) -> Any:
-        av, tried = self._av, []
-        for name in available_encoders():
-            # A refused codec context stays in its container, so each encoder is first tried on its
-            # own.
-            trial = av.CodecContext.create(name, "w")
-            _set_up(trial, self.size, rate, name)
-            try:
-                trial.open()
-            except (OSError, av.FFmpegError, ValueError) as error:
-                tried.append(f"{name} ({error})")
-                continue
-            stream = self._container.add_stream(name, rate=rate)
-            _set_up(stream.codec_context, self.size, rate, name)
-            return stream
-        refused = f"none of its H.264 encoders opens: {', '.join(tried)}"
-        what = refused if tried else "it was built without an H.264 encoder"
-        raise MachineError(
-            f"PyAV {av.__version__} cannot write {self.path.name}: {what}; install PyAV from its wheel (pip install av)"
-        )
+        self.encoder: str = name
 
     def add(self, picture: NDArray[np.uint8]) -> None:
         from av.video.reformatter import ColorRange, Colorspace
@@ -169,15 +152,6 @@ class VideoWriter:
             self.close()
         else:
             self.abort()
-
-
-def _set_up(context: Any, size: tuple[int, int], rate: Fraction, name: str) -> None:
-    context.width, context.height = size[0] + size[0] % 2, size[1] + size[1] % 2
-    context.pix_fmt = "yuv420p"
-    context.framerate, context.time_base = rate, 1 / rate
-    context.options = dict(_OPTIONS.get(name, {}))
-    context.color_range = _LIMITED
-    context.colorspace = context.color_primaries = context.color_trc = _BT709
 
 
 def _video_error(error: Exception, path: Path) -> HmdwarpError:

@@ -32,7 +32,6 @@ from .options import LiveOptions as LiveOptions
 from .options import RecordOptions as RecordOptions
 from .options import RunOptions as RunOptions
 from .options import ServeOptions as ServeOptions
-from .proxy_run import proxy as proxy
 from .recorder import Lines as Lines
 from .recorder import Recorder as Recorder
 from .recorder import origin_of as origin_of
@@ -43,4 +42,5 @@ from .run import ReplayRun as ReplayRun
 from .run import Run as Run
 from .run import set_up_replay as set_up_replay
 from .run_summary import ReplayResult as ReplayResult
+from .serve_run import proxy as proxy
 from .serve_run import serve as serve

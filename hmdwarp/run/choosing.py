@@ -37,8 +37,8 @@ from .options import RunOptions
 from .run import ReplayRun, Schedule, schedule_of, set_up_replay
 
 QUANTILE = 0.95
-# A guard of 2 has four times the pixels; a second wide view (`--wide`) costs half a picture and
-# reaches farther.
+# A guard of 2 has four times the pixels; a second, wide view (fill `wide`) costs half a picture
+# and reaches farther.
 MOST = 2.0
 NEAR_M = 1.0  # nearest surface considered; nearer ones enter the view from farther in
 MOST_INSTANTS = 2000
@@ -75,7 +75,7 @@ def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: R
     factor = min(MOST, math.ceil(max(wanted, 1) * _STEP - 1e-6) / _STEP) if flat else MOST
     size = f"a picture {wanted:.2f} times as large in tangents" if flat else "more than any flat picture holds"
     told = f"Guard auto: to lose nothing at {QUANTILE:.0%} of the refreshes takes {size}; {factor:g} is drawn"
-    beyond = ", auto's most. A second wide view (--wide) reaches farther and costs less"
+    beyond = ", auto's most. A second, wide view (--fill wide+..) reaches farther and costs less"
     return factor, f"{told}{'' if wanted <= MOST else beyond}."
 
 
@@ -110,6 +110,9 @@ class LevelSet:
     notes: tuple[str, ...]
 
 
+_TERMS = ("scene", "latency_ms", "guard", "lens")  # which may differ from the run's own
+
+
 def levels_from_file(path: Path, options: PipelineOptions, device: Client | None = None) -> LevelSet:
     """Return the levels of a benchmark for a run, with its times or those modelled of a device.
 
@@ -122,7 +125,9 @@ def levels_from_file(path: Path, options: PipelineOptions, device: Client | None
     build_plan_for(options.with_pair("none", "none"), headset, None)
     rows = read_rows(path)
     machines = {f"{row['machine']['gl_renderer']} with {row['machine']['cpu_count']} cores": None for row in rows}
-    notes = [f"{name} was measured on {', and on '.join(machines)}."]
+    terms = {key: dict.fromkeys(str(row[key]) for row in rows if key in row) for key in _TERMS}
+    told = "; ".join(f"{key} {', '.join(values)}" for key, values in terms.items() if values)
+    notes = [f"{name} was measured on {', and on '.join(machines)}: {told}."]
     for warp, fill in sorted({(row["warp"], row["fill"]) for row in rows}):
         try:
             plan = build_plan_for(options.with_pair(warp, fill), headset, None)
@@ -132,18 +137,6 @@ def levels_from_file(path: Path, options: PipelineOptions, device: Client | None
             notes.append(f"{name}: warp '{warp}' with fill '{fill}' is left out: {error}.")
     if not usable:
         raise InputError(f"{path}: nothing of its {len(rows)} rows can be run here; {notes[-1]}")
-    if options.lens != "none" and {row["lens"] for row in usable} == {"none"}:
-        notes.append(f"{name} was measured without a lens: the time of lens {options.lens} comes on top.")
-    differing = []  # that nothing corrects
-    of_run = {"guard": options.guard_band.factors(size).entry, "latency_ms": options.latency_ms, "scene": options.scene}
-    for key, mine in of_run.items():
-        theirs = list(dict.fromkeys(row[key] for row in usable if key in row))
-        if theirs and mine not in theirs:
-            values = ", ".join(map(str, theirs))
-            unit = " ms" if key == "latency_ms" else ""
-            differing.append(f"{key.removesuffix('_ms')} {values}{unit} (this run: {mine}{unit})")
-    if differing:
-        notes.append(f"{name} was measured with {'; '.join(differing)}.")
     same = [row for row in usable if tuple(row["size"]) == size]
     try:
         levels = levels_from(same or usable)
@@ -152,8 +145,8 @@ def levels_from_file(path: Path, options: PipelineOptions, device: Client | None
     if not same:
         width, height = max((row["size"] for row in usable), key=lambda s: s[0] * s[1])
         factor = size[0] * size[1] / (width * height)
-        terms = f"{name} was measured at {width}x{height}, this run is {size[0]}x{size[1]}"
-        notes.append(f"{terms}: its times are taken in proportion to the pixels, {factor:.2g} times.")
+        sizes = f"{name} was measured at {width}x{height}, this run is {size[0]}x{size[1]}"
+        notes.append(f"{sizes}: its times are taken in proportion to the pixels, {factor:.2g} times.")
         levels = tuple(level.scaled(factor) for level in levels)
     return LevelSet(levels, tuple(notes))
 
@@ -193,12 +186,6 @@ class Choice:
     notes: tuple[str, ...]
     # Of the level on a client's device that is modelled, the least and the most; None if measured.
     range_ms: tuple[float, float] | None = None
-
-    @property
-    def following(self) -> QualityLevel | None:
-        """The next better level, beyond the budget."""
-        after = self.levels.index(self.level) + 1 if self.level is not None else 0
-        return self.levels[after] if 0 < after < len(self.levels) else None
 
     def command(self, arguments: Sequence[str]) -> str:
         """Return the command line of the chosen replay. arguments: of the one that chose."""
@@ -263,7 +250,7 @@ def choose(options: RunOptions, say: Say = lambda text: None) -> Choice:
         least, _, most = device_ms(plan, options.size or source.headset.eye_size_px, device)
         made = attrs.evolve(made, range_ms=(least, most))
         why += [f"That time is a model's: {least:.1f} to {most:.1f} ms on '{device.name}'. {MODEL}"]
-    if (more := made.following) is not None:
+    for more in found.levels[found.levels.index(level) + 1 :][:1]:
         why += [f"The next better is {more}: {more.total_ms:.2f} ms, mean FLIP {more.error:.4f}."]
     return attrs.evolve(made, notes=(*why, *made.notes))
 

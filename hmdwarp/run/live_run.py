@@ -10,8 +10,8 @@ import sys
 import threading
 import time
 from bisect import bisect_left
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, ExitStack, closing, suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, nullcontext, suppress
 from pathlib import Path
 from types import FrameType
 from typing import Any, Protocol
@@ -135,23 +135,6 @@ LAST_WORDS_S = 10.0
 PRINTING_S = 1.0
 
 
-class _Watch:
-    """Watched calls of one name, which may nest: it keeps no state of a single call."""
-
-    __slots__ = ("_dog", "_what")
-
-    def __init__(self, dog: Watchdog, what: str) -> None:
-        self._dog, self._what = dog, what
-
-    def __enter__(self) -> None:
-        dog = self._dog
-        dog._under_way.append(self._what)
-        dog._entered += 1
-
-    def __exit__(self, *_: object) -> None:
-        self._dog._under_way.pop()
-
-
 class Watchdog:
     """Watch calls from a thread of its own while it is entered.
 
@@ -164,15 +147,20 @@ class Watchdog:
     def __init__(self, limit_s: float, last_words: Sequence[Callable[[], str]]) -> None:
         self._limit_s, self._last_words = limit_s, last_words
         self._look_s = min(limit_s / LOOKS, LONGEST_LOOK_S)
-        self._watches: dict[str, _Watch] = {}
         self._under_way: list[str] = []  # the innermost call last
         self._entered = 0
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._look_on, name="watchdog", daemon=True)
 
-    def watching(self, what: str) -> _Watch:
-        """Watch a call of that name, in place of one around it, at a cost of 0.2 us."""
-        return self._watches.get(what) or self._watches.setdefault(what, _Watch(self, what))
+    @contextmanager
+    def watching(self, what: str) -> Iterator[None]:
+        """Watch a call of that name, in place of one around it."""
+        self._under_way.append(what)
+        self._entered += 1
+        try:
+            yield
+        finally:
+            self._under_way.pop()
 
     def _look_on(self) -> None:
         last, looks = 0, 0
@@ -220,36 +208,24 @@ def _within(limit_s: float, do: Callable[[], object]) -> None:
 
 
 class GarbageControl:
-    """Collect garbage only between pictures; where it is not on, Python decides.
+    """Collect garbage only between pictures.
 
     What exists on entry is frozen, so that no collection scans it, unless the program has frozen
     its objects itself.
     """
 
-    def __init__(self, on: bool = True) -> None:
-        self._on = on
-        self._was_enabled = self._freezes = False
-
-    def __enter__(self) -> GarbageControl:
+    def __enter__(self) -> None:
         self._was_enabled, self._freezes = gc.isenabled(), not gc.get_freeze_count()
-        if self._on:
-            gc.collect()
-            if self._freezes:
-                gc.freeze()
-            gc.disable()
-        return self
-
-    def between(self) -> None:
-        """Collect the youngest generation, to which a refresh adds some hundred objects."""
-        if self._on:
-            gc.collect(0)
+        gc.collect()
+        if self._freezes:
+            gc.freeze()
+        gc.disable()
 
     def __exit__(self, *_: object) -> None:
-        if self._on:
-            if self._freezes:
-                gc.unfreeze()
-            if self._was_enabled:
-                gc.enable()
+        if self._freezes:
+            gc.unfreeze()
+        if self._was_enabled:
+            gc.enable()
 
 
 def checked_source(options: LiveOptions, source: Source | None = None) -> Source:
@@ -645,7 +621,7 @@ class Driver:
         Errors: Closed, for window or session; Lost, when the display did not come back in time.
         """
         number = 0
-        with GarbageControl(self._host.options.collect and (handler.pictures or handler.ahead)) as garbage:
+        with GarbageControl() if handler.pictures or handler.ahead else nullcontext():
             while self._ending.asked is None and not handler.over():
                 try:
                     tick = self._display.wait()
@@ -658,7 +634,7 @@ class Driver:
                             after(number)
                             if log is not None:
                                 self._display.show_status(log.status)
-                        garbage.between()
+                        gc.collect(0)  # the youngest generation, to which a refresh adds some hundred objects
                     if handler.handle(self._display.commands()) and log is not None:
                         log.changed(self._host)
                 except Lost as lost:
@@ -742,7 +718,7 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
         log.begin(display, host)
         try:
             hand = Hand(host, display.now_ns, took_by(recorder, log))
-            user = _UserRun(display, host, log, ending, hand, say)
+            user = _UserRun(host, log, ending, hand, say)
             Driver(display, host, ending, say).run(user, log, recorder, after)
         except Closed as closed:
             say(str(closed))
@@ -771,20 +747,15 @@ def took_by(recorder: Recorder | None, log: LiveLog) -> Callable[[InputEvent, bo
     return took
 
 
-JUDGED_NS = 1_000_000_000  # from the first picture: what a machine makes in a second, it makes in the next
-
-
 class _UserRun(FrameHandler):
     """A run whose user may change everything, up to the limits of the options."""
 
     pictures = True
 
-    def __init__(self, display: Display, host: PipelineHost, log: LiveLog, ending: Ending, hand: Hand, say: Say):
-        self._display, self._log, self._ending, self._host, self._hand = display, log, ending, host, hand
-        self._say, self._commands = say, CommandHandler(host, say, hand)
+    def __init__(self, host: PipelineHost, log: LiveLog, ending: Ending, hand: Hand, say: Say) -> None:
+        self._log, self._ending, self._host, self._hand = log, ending, host, hand
+        self._commands = CommandHandler(host, say, hand)
         self._began_ns, self._arrived_s = ending.now_ns(), time.monotonic()
-        # Pictures until it is judged whether the machine keeps pace.
-        self._count, self._first_ns, self._is_judged = 0, 0, False
         log.status.choices = choices()
         self._show_values()
 
@@ -822,18 +793,6 @@ class _UserRun(FrameHandler):
 
     def arrived(self, refresh: Refresh) -> None:
         self._arrived_s = time.monotonic()
-        now_ns = self._display.now_ns()
-        self._first_ns = self._first_ns or now_ns
-        took_ns = now_ns - self._first_ns
-        if took_ns >= JUDGED_NS and not self._is_judged:
-            self._is_judged, options = True, self._log.options
-            refreshes = round(took_ns * 1e-9 * (options.rate_hz or self._display.rate_hz))
-            if 2 * self._count < refreshes:
-                self._say(
-                    f"note: {self._count} of {refreshes} refreshes got a picture: this machine is too slow for these "
-                    f"options; a smaller --size helps{'' if options.warp == AUTO else ', or --warp auto'}"
-                )
-        self._count += 1
         self._hand.follow(refresh)
 
     def on_display_lost(self, why: str) -> None:
@@ -944,26 +903,26 @@ def _of_headset(options: RecordOptions, say: Say) -> None:
         Ending(options.seconds, None) as ending,
         Recorder(options.out, say, BY, force=options.force) as recorder,
         Watchdog(options.hang_s, [recorder.save]) as watchdog,
-        openxr.OpenXrHead(watchdog.watching) as head,
+        closing(openxr.OpenXrDisplay(DisplayOptions(watching=watchdog.watching, depth_layer=False))) as shown,
     ):
-        rate_hz = options.rate_hz or head.rate_hz
-        recorder.begin(head.about, rate_hz)
-        say(_telling(f"{head.about['headset']} at {rate_hz:g} Hz", recorder, options.seconds))
-        count, due_ns = 0, head.now_ns()
-        # At even intervals, or as often as its source can be read.
-        while not ending.due(count):
-            _sleep_until(due_ns)
-            try:
-                if head.poll():
-                    recorder.add(head.head_at(head.now_ns()))
-            except Closed as closed:
-                say(str(closed))
-                break
-            except Lost as lost:
-                recorder.flush()
-                come_back(head.reopen, lost, options.reconnect_s, ending, say)
-            count += 1
-            due_ns = max(due_ns + round(1e9 / rate_hz), head.now_ns())
+        rate_hz = options.rate_hz or shown.rate_hz
+        recorder.begin(shown.about, rate_hz)
+        say(_telling(f"{shown.about['headset']} at {rate_hz:g} Hz", recorder, options.seconds))
+        count, due_ns = 0, shown.now_ns()
+        try:
+            while not ending.due(count):  # at even intervals, or as often as the runtime wants a picture
+                _sleep_until(due_ns)
+                try:
+                    if shown.wait() is not None:
+                        shown.show(None)
+                        recorder.add(shown.source.head_at(shown.now_ns()))
+                except Lost as lost:
+                    recorder.flush()
+                    come_back(shown.reopen, lost, options.reconnect_s, ending, say)
+                count += 1
+                due_ns = max(due_ns + round(1e9 / rate_hz), shown.now_ns())
+        except Closed as closed:
+            say(str(closed))
         if recorder.count < LEAST and ending.asked is None:
             raise MachineError(
                 "the runtime has not told where the head is: put the headset on, where its tracking can see the room"

@@ -8,7 +8,6 @@ import itertools
 import math
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from itertools import pairwise
 from typing import Any
 
 import attrs
@@ -31,13 +30,12 @@ from ..metrics import psnr
 from ..options import Choice, NoSettings
 from ..pipeline.channel import Reads
 from ..pipeline.loop import Loop, Refresh
-from ..pipeline.recorded_source import RecordedRenderer
-from ..pipeline.remote_source import NoTruth
+from ..pipeline.remote import NoTruth
 from ..pipeline.sizes import build_plan_for, plan_against
 from ..resources import install_line
 from ..sources.server import Renderer
-from .frame_rows import Row, stage_columns
 from .run import ReplayRun, Schedule
+from .run_summary import Row, stage_columns
 
 # Over half a band the picture turns by a quarter of a pixel, up to the limit on bands; each band is
 # drawn separately.
@@ -319,13 +317,12 @@ class Combination:
 
 
 def batches(
-    combinations: Sequence[Combination], rendered_size: Size, shown_size: Size, most_bytes: float, pictures: int = 0
+    combinations: Sequence[Combination], rendered_size: Size, shown_size: Size, most_bytes: float
 ) -> list[list[Combination]]:
     """Return groups of combinations that fit in `most_bytes` together.
 
     A group needs its older frames equally far apart; all fills of a warp stay together. Warps that
     need no older frames join the first group. What has late frames of its own is a group by itself.
-    pictures: that are kept of each, as sRGB.
     """
     shared = [c for c in combinations if not c.has_own_frames]
     rendered, shown = (size[0] * size[1] for size in (rendered_size, shown_size))
@@ -333,7 +330,7 @@ def batches(
     def bytes_of(combination: Combination) -> int:
         plan = combination.plan
         canvases = 1 + len(plan.fills) + len(plan.effect_passes) + plan.lens.is_pass
-        kept = sum(fill.entry.bytes_kept(rendered, fill.settings) for fill in plan.fills) + 3 * pictures * shown
+        kept = sum(fill.entry.bytes_kept(rendered, fill.settings) for fill in plan.fills)
         return 2 * canvases * _COLOUR_BYTES * shown + _OWN_BYTES * rendered + kept
 
     others = {c.plan.needs.others.spacing_ns for c in shared if c.plan.needs.others.past}
@@ -395,9 +392,11 @@ class Oracle:
     surface that moves by itself counts as unseen where it left its place. plan: for frames' needs.
     """
 
-    def __init__(self, server: Renderer, plan: Plan, shown_size: tuple[int, int]) -> None:
-        self._server, self.plan, self._size = server, plan, shown_size
-        self._warped, self._shown = ([Canvas(server.gpu.gl, shown_size) for _ in range(2)] for _ in range(2))
+    def __init__(self, setup: ReplayRun, plan: Plan) -> None:
+        self._server, self.plan, self._size = setup.server, plan, setup.sizes.shown
+        self._warped, self._shown = ([Canvas(setup.target.gpu.gl, self._size) for _ in range(2)] for _ in range(2))
+        for canvas in (*self._warped, *self._shown):
+            setup.cleanup.callback(canvas.release)
         self._made: dict[int, tuple[PassInputs, EyeResult]] = {}
 
     def run(self, inputs: PassInputs) -> EyeResult:
@@ -424,10 +423,6 @@ class Oracle:
 
     def renew(self) -> None:
         """Do nothing: it remembers nothing."""
-
-    def close(self) -> None:
-        for canvas in (*self._warped, *self._shown):
-            canvas.release()
 
 
 def from_late(
@@ -491,44 +486,37 @@ def refreshes(
 
 
 class SideBySide:
-    """The compensators of some combinations in one loop. A context, which frees them."""
+    """The compensators of some combinations in one loop."""
 
     def __init__(self, setup: ReplayRun, combinations: Sequence[Combination]) -> None:
         self._setup, self._combinations = setup, combinations
-        self._needs = needs_of(combination.plan for combination in combinations)
         # In the order of the combinations.
         self.compensators: list[Compensator | Oracle] = [
-            Oracle(setup.server, one.plan, setup.sizes.shown) if one.warp == ORACLE else setup.compensator(one.plan)
-            for one in combinations
+            Oracle(setup, one.plan) if one.warp == ORACLE else setup.compensator(one.plan) for one in combinations
         ]
         self._whole = WholePictures(setup.server)
 
-    def __enter__(self) -> SideBySide:
-        return self
+    def refreshes(self, numbers: Collection[int], instants: Collection[int]) -> Iterator[tuple[int, Refresh]]:
+        """Iterate over the chosen refreshes.
 
-    def __exit__(self, *error: object) -> None:
-        self._whole.close()
-        for compensator in self.compensators:
-            if not isinstance(compensator, Compensator):
-                compensator.close()
-
-    def refreshes(self, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
-        every = any(combination.needs_every_frame for combination in self._combinations)
-        return refreshes(self._setup, self._needs, numbers, every_frame=every)
-
-    def run_in(self, numbers: Collection[int]) -> set[int]:
-        """Return the refreshes to show to fills that remember before those, none without such."""
-        if not any(combination.remembers for combination in self._combinations):
-            return set()
-        rate_hz = self._setup.schedule.rate_hz
-        return {number - round(seconds * rate_hz) for number in numbers for seconds in RUN_IN_S}
-
-    def teach(self, refresh: Refresh) -> None:
-        for compensator, combination in zip(self.compensators, self._combinations, strict=True):
-            if combination.remembers and isinstance(compensator, Compensator):
-                for inputs in self.inputs(compensator, refresh):
-                    compensator.learn(inputs)
-        self._setup.target.gpu.timer.collect()
+        Before the instants among them, fills that remember are shown some of RUN_IN_S earlier too.
+        """
+        needs, every = needs_of(one.plan for one in self._combinations), False
+        taught = set[int]()
+        for one in self._combinations:
+            every |= one.needs_every_frame
+            if one.remembers:
+                rate_hz = self._setup.schedule.rate_hz
+                taught = {number - round(seconds * rate_hz) for number in instants for seconds in RUN_IN_S}
+        for number, refresh in refreshes(self._setup, needs, {*numbers, *taught}, every_frame=every):
+            if number in numbers:
+                yield number, refresh
+                continue
+            for compensator, one in zip(self.compensators, self._combinations, strict=True):
+                if one.remembers and isinstance(compensator, Compensator):
+                    for inputs in self.inputs(compensator, refresh):
+                        compensator.learn(inputs)
+            self._setup.target.gpu.timer.collect()
 
     def inputs(self, compensator: Compensator | Oracle, refresh: Refresh) -> tuple[PassInputs, ...]:
         return self._whole.inputs(self._setup.loop, refresh, compensator.plan)
@@ -537,61 +525,14 @@ class SideBySide:
         """Return what an eye should see in the middle of a refresh."""
         return draw_truth(self._setup.server, attrs.evolve(inputs, shown_last=None), self._setup.sizes.shown)
 
-    def pictures(self, refresh: Refresh, eye: int, truth: Truth) -> list[metrics.Compared]:
+    def pictures(self, refresh: Refresh, eye: int) -> list[metrics.Compared]:
         """Run all for one eye, untimed; return each picture with the truth."""
-        shown = []
+        truth, shown = self.truth(refresh.inputs[eye]), []
         for compensator in self.compensators:
             result = compensator.run(self.inputs(compensator, refresh)[eye])
             shown.append(metrics.Compared(shown_picture(result), truth.picture, result.view))
         self._setup.target.gpu.timer.collect()
         return shown
-
-
-def clips_of(setup: ReplayRun) -> metrics.Clips:
-    """Return what rates clips of the run's length. Errors: as Clips."""
-    headset = setup.source.headset
-    given = {"peak_cd_m2": headset.peak_cd_m2, "black_cd_m2": headset.black_cd_m2}
-    known = {name: value for name, value in given.items() if value is not None}
-    return metrics.Clips(setup.options.jod_s, metrics.ShownOn(setup.schedule.rate_hz, setup.pixels_per_degree, **known))
-
-
-def clips_before(instants: Sequence[int], length: int) -> dict[int, int]:
-    """Return the instant at which the clip of each refresh ends.
-
-    A clip is the `length` refreshes up to its instant, as far as run and instant before leave room.
-    """
-    starts = [max(before + 1, instant - length + 1, 0) for before, instant in pairwise((-1, *instants))]
-    return {
-        number: instant for start, instant in zip(starts, instants, strict=True) for number in range(start, instant + 1)
-    }
-
-
-def rate_clips(
-    setup: ReplayRun, combinations: Sequence[Combination], instants: int, step: Callable[[], None]
-) -> list[dict[str, Any]]:
-    """Return the `jod` of each combination, or `jod_failure`, from a clip up to each instant.
-
-    The instants and their eyes, left and right in turn, are those that a bench measures; step() is
-    called after each. Errors: as Clips.
-    """
-    clips = clips_of(setup)
-    turns = {number: turn for turn, number in enumerate(instants_of(setup.schedule.count, instants))}
-    ends = clips_before(list(turns), clips.length)
-    with SideBySide(setup, combinations) as beside:
-        for number, refresh in beside.refreshes({*ends, *beside.run_in(turns)}):
-            if number not in ends:
-                beside.teach(refresh)
-                continue
-            eye = turns[ends[number]] % len(refresh.inputs)
-            truth = beside.truth(refresh.inputs[eye])
-            for which, pictures in enumerate(beside.pictures(refresh, eye, truth)):
-                clips.add(number, eye, which, pictures)
-            if number in turns:
-                clips.finish()
-                step()
-    if clips.failure:
-        return [{"jod_failure": clips.failure} for _ in combinations]
-    return [{"jod": clips.entry(which)} for which in range(len(combinations))]
 
 
 # (case, warp, fill, refresh, eye): identifies a picture.
@@ -632,22 +573,16 @@ class Comparison:
         self._turn = 0
 
     def run(self, instants: int, step: Callable[[], None]) -> None:
-        """Visit that many refreshes, calling step() after each. Free what was allocated here."""
+        """Visit that many refreshes, calling step() after each."""
         turns = {number: turn for turn, number in enumerate(instants_of(self._setup.schedule.count, instants))}
         before: list[metrics.Compared] = []
-        neighbours = {number - 1 for number in turns}
-        with self._beside as beside:
-            for number, refresh in beside.refreshes({*turns, *neighbours, *beside.run_in(turns)}):
-                if number not in turns and number not in neighbours:
-                    beside.teach(refresh)
-                if number in turns:
-                    self._time(refresh)
-                    self._measure(number, refresh, turns[number] % len(refresh.inputs), before)
-                    step()
-                before = []
-                if number + 1 in turns:
-                    eye = turns[number + 1] % len(refresh.inputs)
-                    before = beside.pictures(refresh, eye, beside.truth(refresh.inputs[eye]))
+        for number, refresh in self._beside.refreshes({*turns, *(number - 1 for number in turns)}, turns):
+            if number in turns:
+                self._time(refresh)
+                self._measure(number, refresh, turns[number] % len(refresh.inputs), before)
+                step()
+            is_next = number + 1 in turns
+            before = self._beside.pictures(refresh, turns[number + 1] % len(refresh.inputs)) if is_next else []
 
     def _time(self, refresh: Refresh) -> None:
         """Time every combination in each round, in an order that rotates from round to round."""
@@ -785,7 +720,12 @@ class Probe:
             self._unfused = setup.compensator(build_plan_for(alone, setup.source.headset, setup.source.scene))
         self._against = [setup.compensator(plan_against(setup.options, *pair)) for pair in setup.options.compared]
         # Rates all pictures; None where the options do not ask for it.
-        self.clips = clips_of(setup) if setup.options.jod_s else None
+        self.clips: metrics.Clips | None = None
+        if setup.options.jod_s:
+            given = {name: getattr(setup.source.headset, name) for name in ("peak_cd_m2", "black_cd_m2")}
+            known = {name: value for name, value in given.items() if value is not None}
+            display = metrics.ShownOn(setup.schedule.rate_hz, setup.pixels_per_degree, **known)
+            self.clips = metrics.Clips(setup.options.jod_s, display)
         self._whole = WholePictures(setup.server)
         self._before: dict[tuple[int, int], tuple[int, metrics.Compared]] = {}
         self._empty: dict[str, list[float]] = {}
@@ -793,9 +733,6 @@ class Probe:
         self.without_truth = 0
         # Of each comparison, by refresh and eye.
         self.against_ms: list[dict[tuple[int, int], tuple[tuple[str, float], ...]]] = [{} for _ in self._against]
-        # Of an eye whose frames were not sent, by refresh: the share of its pixels that the warp
-        # left empty, and its PSNR where what it should see was recorded.
-        self.second_eye: dict[str, dict[int, float]] = {"hole_share": {}, "psnr_db": {}}
         self.near_gaze = NearGaze(setup.options.fovea is not None)
         if setup.options.scanout_ms:
             how = "follows it row by row" if setup.plans[0].scanout else "shows all rows as in its middle"
@@ -810,17 +747,7 @@ class Probe:
         return self.clips is not None or is_measured(number, self._every) or is_measured(number + 1, self._every)
 
     def read(self, number: int, refresh: Refresh) -> None:
-        """Read back the eyes of refresh `number`, and submit them if it is a measured one.
-
-        An eye that no frames were sent for has holes alone, and a PSNR.
-        """
-        if len(refresh.eyes) > self._setup.source.kind.eyes and is_measured(number, self._every):
-            second, server = self._setup.source.kind.eyes, self._setup.server
-            result = self._before_lens(refresh, second)
-            self.second_eye["hole_share"][number] = _hole_share(coverage(result))
-            if isinstance(server, RecordedRenderer) and server.right is not None:
-                truth = draw_truth(server.right, refresh.inputs[second], self._setup.sizes.shown, depth=False)
-                self.second_eye["psnr_db"][number] = psnr(shown_picture(result), truth.picture)
+        """Read back the eyes that frames were sent for, and submit them if they are measured."""
         for eye in range(min(len(refresh.eyes), self._setup.source.kind.eyes)):
             rendered = refresh.frame.eyes[eye]
             # The predecessor of a measured refresh is read for flicker only.
@@ -836,31 +763,22 @@ class Probe:
                 for name, canvas in (("warp", None), *result.filled):
                     alpha = coverage(result) if canvas is None else download(canvas.texture)[..., 3]
                     self._empty.setdefault(name, []).append(_hole_share(alpha))
-            others = [
-                self._read_comparison((number, eye, which), against, refresh, truth)
-                for which, against in enumerate(self._against, 1)
-            ]
+            others = []
+            for which, pair in enumerate(self._setup.options.compared, 1):
+                against, key = self._against[which - 1], (number, eye, which)
+                inputs = self._whole.inputs(self._setup.loop, refresh, against.plan)[eye]
+                compared = against.run(inputs)  # without effects
+                self.against_ms[which - 1][number, eye] = tuple(self._setup.target.gpu.timer.collect())
+                if (its_job := self._job(key, inputs.rendered, compared, truth)) is not None:
+                    levels = 255 * self._setup.hand_in(self.pool, key, its_job).flip_map
+                    others.append((method_name(*pair), its_job.now.shown, np.rint(levels).astype(np.uint8)))
             if job is not None:
                 if refresh.head.gaze is not None or self._setup.options.fovea is not None:
                     (shown,) = looking([result.view], refresh.head.gaze)
                     self.near_gaze.add(job.now, shown, rendered.view)
                 keep = self._keep_every is not None and number // self._every % self._keep_every == 0
-                job = attrs.evolve(job, beside=tuple(filter(None, others)))
+                job = attrs.evolve(job, beside=tuple(others))
                 self._setup.hand_in(self.pool, (number, eye, MAIN), job, keep=keep)
-
-    def _read_comparison(
-        self, key: tuple[int, int, int], against: Compensator, refresh: Refresh, truth: Truth
-    ) -> tuple[str, NDArray[np.uint8], NDArray[np.uint8]] | None:
-        """Measure the comparison warp, without effects; return its name, picture and FLIP map."""
-        number, eye, which = key
-        inputs = self._whole.inputs(self._setup.loop, refresh, against.plan)[eye]
-        other = against.run(inputs)
-        self.against_ms[which - 1][number, eye] = tuple(self._setup.target.gpu.timer.collect())
-        job = self._job(key, inputs.rendered, other, truth)
-        if job is None:
-            return None
-        levels = 255 * self._setup.hand_in(self.pool, key, job).flip_map
-        return method_name(*self._setup.options.compared[which - 1]), job.now.shown, np.rint(levels).astype(np.uint8)
 
     def filled_shares(self) -> dict[str, float]:
         """Return the share of pixels that each fill of the chain filled, and the rest ("empty")."""

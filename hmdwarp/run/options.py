@@ -10,7 +10,6 @@ from typing import Any, ClassVar
 
 import attrs
 
-from .. import poses
 from ..errors import InputError
 from ..link.codec import VIDEOS, Coding
 from ..options import (
@@ -19,7 +18,6 @@ from ..options import (
     PICTURE,
     Declared,
     Number,
-    Option,
     force_field,
     group,
     names_in,
@@ -205,8 +203,6 @@ class LiveOptions(PipelineOptions):
     )
     reconnect_s: float = _of_display(60.0, "Seconds to wait for a runtime that went away.", valid=Number())
     hang_s: float = _of_display(5.0, "Seconds of silence after which a runtime is given up.", valid=Number(least=0.1))
-    # Whether to collect garbage between pictures instead of whenever Python decides.
-    collect: bool = _of_display(True, "Collect garbage only between frames.", name="gc_between", off="--gc-anywhere")
     # Where frames come from, if not from here.
     feed: FeedOptions = group(FeedOptions)
     command: str = ""
@@ -370,21 +366,15 @@ class ServeOptions(ListenOptions):
         return super().values_of(with_frames(said, {option.name: option.default for option in options_of(cls)}))
 
     def __attrs_post_init__(self) -> None:
-        if self.out is not None and not self.web:
-            raise InputError(f"--out {self.out}: browsers' sessions come by --web; name its address, or leave it out")
-        if self.codec != AUTO and not self.web:
-            raise InputError(f"--codec {self.codec}: it is for --web; other clients say theirs; leave it out")
-        if self.certificate is not None and not self.web:
-            raise InputError(f"--certificate {self.certificate}: it is for --web; name its address, or leave it out")
+        for name, usual in (("out", None), ("codec", AUTO), ("certificate", None)):
+            if getattr(self, name) != usual and not self.web:
+                raise InputError(f"--{name} {getattr(self, name)}: it is for --web; name its address, or leave it out")
         if self.frames is None:
             refuse_without_frames(self.sequence_options, self.repair)
 
 
-_TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")
-
-
 def recordings_field() -> Any:
-    """Return the field; its class passes the set options through with_recordings()."""
+    """Return the field of the traces of an experiment."""
     return several(
         attrs.fields(RunOptions).trace,
         ("look-around", "walk"),
@@ -392,19 +382,6 @@ def recordings_field() -> Any:
         metavar="TRACE",
         positional=True,
         parse=None,
-        beside=(_TRACE,),
-    )
-
-
-def with_recordings(said: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the set options, with the recordings of both ways together."""
-    return {**said, "traces": [*(said.get("traces") or ()), *(said.get("trace") or ())] or None}
-
-
-def refuse_traces_of_one_name(traces: Mapping[str, poses.LoadedTrace]) -> None:
-    """Raise InputError if two traces have one name. traces: by option."""
-    refuse_one_name(
-        "recordings", {recording: trace.track.name or trace.path.stem for recording, trace in traces.items()}
     )
 
 

@@ -15,20 +15,18 @@ from ..errors import InputError
 from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu.textures import download
-from ..link.options import ALL, DROP
+from ..link.options import ALL
 from ..metrics import TRUTH_JOD, Clips, Kept, MeasuringProcesses, QualityPool, pooled, worker_count
 from ..options import AUTO
 from ..pipeline.options import SERVER_SCENE
-from ..pipeline.recorded_source import about_second_eye, second_eye
 from ..pipeline.sizes import refreshes_of
 from ..pipeline.source import ServerFrames
 from ..report import OutputFolder, VideoWriter
 from ..sources.server import Server
-from .frame_rows import ReplayLog, Row
 from .measuring import MAIN, Probe, method_name
 from .options import RunOptions
 from .run import ReplayRun, set_up_replay
-from .run_summary import OWNED, Judge, ReplayResult, result_of, write_results
+from .run_summary import OWNED, Judge, ReplayLog, ReplayResult, Row, result_of, write_results
 
 WORST_FRAMES = 6
 # which: 0 for the run itself, then those that it is compared with.
@@ -101,10 +99,6 @@ def replay(
                 jods = sorted(probe.clips.refreshes.items())
                 rows = [dict(zip(JOD_COLUMNS, (*at, jod), strict=True)) for at, jod in jods]
                 out.write_csv("jod.csv", rows, JOD_COLUMNS)
-            if probe.second_eye["hole_share"]:
-                beside = second_eye(log.rows, probe.second_eye)
-                more["second_eye"] = beside
-                setup.notes.append(about_second_eye(beside))
             result = result_of(setup, log, compared, more, probe.without_truth)
         verdict = write_results(out, log, result, compared, pool, options.command, judge)
         return attrs.evolve(result, verdict=verdict)
@@ -178,7 +172,7 @@ def measured(
 def _run(setup: ReplayRun, probe: Probe, out: OutputFolder | None, progress: Progress) -> ReplayLog:
     log, count, options, drawn_by = ReplayLog(setup.track), 0, setup.options, setup.loop.source
     # No picture is drawn that arrives after the last refresh, in a frame that holds nothing else.
-    is_plain = options.client_link.is_plain and options.network.send == ALL and options.network.overload == DROP
+    is_plain = options.client_link.is_plain and options.network.send == ALL
     is_server = isinstance(getattr(drawn_by, "server", None), Server)
     is_plain = is_plain and is_server and options.coding.codec == "none"
     if is_plain and isinstance(drawn_by, ServerFrames) and not drawn_by.requested.needs:

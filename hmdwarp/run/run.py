@@ -8,15 +8,14 @@ import operator
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import ExitStack
-from typing import Any, ClassVar, Generic, Self, TypeVar
+from typing import ClassVar, Generic, Self, TypeVar
 
 import attrs
 import numpy as np
 
 from ..client import ClientScene
 from ..client.classes import load_client
-from ..client.compensator import Compensator, EyeResult
-from ..client.inputs import PassInputs
+from ..client.compensator import Compensator
 from ..client.plan import Plan, needs_of
 from ..display import Display
 from ..errors import InputError, counted
@@ -25,7 +24,7 @@ from ..frames.layers import PICTURE
 from ..geometry import Eyes, Pose
 from ..gpu.context import Gpu
 from ..headsets import Headset
-from ..link import CHANGES, RESOLUTION
+from ..link import CHANGES
 from ..link.codec import codecs
 from ..metrics import Alike, PairPass, QualityJob, QualityPool
 from ..pipeline.channel import Changes, Channel, Coder, Reads
@@ -47,39 +46,13 @@ from ..pipeline.sizes import (
 from ..pipeline.source import MomentOf, PoseRequest, Source, Target, client_scene, joined, motion_notes
 from ..poses import LoadedTrace, PoseSample, PoseSource, PoseTrack, RecordedSource, foreseen_gaze, load_trace
 from ..poses.prediction import predict
+from ..poses.predictors import predictors
 from ..poses.track import Gaze, Moment
 from ..scenes import Scene, take_inputs
 from ..sources.server import Renderer
 from .options import RunOptions
 
 Options = TypeVar("Options", bound=PipelineOptions)
-
-
-class SizedCompensator(Compensator):
-    """Compensate frames of any size; what a pass remembers of earlier refreshes is of one size."""
-
-    def __init__(
-        self, gpu: Gpu, plan: Plan, headset: Headset | None, rendered: tuple[int, int], *more: Any, hides: bool = False
-    ) -> None:
-        super().__init__(gpu, plan, headset, rendered, *more, hides=hides)
-        self._full_size = rendered
-        self._others: dict[tuple[int, int], Compensator] = {}
-        self._make: Callable[[tuple[int, int]], Compensator] = lambda size: Compensator(
-            gpu, plan, headset, size, *more, hides=hides
-        )
-
-    def run(self, inputs: PassInputs) -> EyeResult:
-        size = inputs.rendered.size
-        if size == self._full_size:
-            return super().run(inputs)
-        if size not in self._others:
-            self._others[size] = self._make(size)
-        return self._others[size].run(inputs)
-
-    def close(self) -> None:
-        super().close()
-        for other in self._others.values():
-            other.close()
 
 
 @attrs.frozen(eq=False)
@@ -188,8 +161,10 @@ class Run(Generic[Options]):
         assert options.size is not None and screen is not None
         rate_hz = options.rate_hz or screen.rate_hz
 
+        predictor, horizon_ns = predictors.get(options.predict), options.horizon_ns
+
         def predicted(now_ns: int, ahead_ns: int) -> PoseSample:
-            return predict(known(now_ns), now_ns, now_ns + ahead_ns, options.predict, options.horizon_ns)
+            return predict(known(now_ns), now_ns, now_ns + ahead_ns, predictor, horizon_ns)
 
         def gaze(now_ns: int, ahead_ns: int, head: Pose) -> Gaze | None:
             return foreseen_gaze(known(now_ns), now_ns, ahead_ns if options.gaze == PREDICTED_GAZE else 0, head)
@@ -267,10 +242,9 @@ class Run(Generic[Options]):
         return self._compensator(plan)
 
     def _compensator(self, plan: Plan) -> Compensator:
-        kind = SizedCompensator if self.options.network.overload == RESOLUTION else Compensator
         target, sizes = self.target, self.sizes
         hides = any(view.hidden is not None for view in target.eyes.views(Pose()))
-        made = kind(target.gpu, plan, target.lens_of, sizes.rendered, sizes.shown, self.geometry, hides=hides)
+        made = Compensator(target.gpu, plan, target.lens_of, sizes.rendered, sizes.shown, self.geometry, hides=hides)
         self._made.append(made)
         return made
 
@@ -294,10 +268,6 @@ class Run(Generic[Options]):
         self.close()
 
 
-_MANY = 10_000  # refreshes
-# Of a refresh: that of a GPU is a guess; llvmpipe took 0.2 s without metrics and 0.6 s with two
-# methods beside it, on two cores.
-_SECONDS_EACH = 0.05, 0.5
 _DAY_S = 86_400.0
 
 
@@ -400,7 +370,7 @@ def first_shown_s(options: RunOptions, rate_hz: float) -> float:
 
 def _refreshes_before(options: RunOptions, rate_hz: float) -> tuple[int, int]:
     """Return how many refreshes a frame is under way to the client, and to a proxy before that."""
-    options.client_link.check(latency_ns(options))
+    options.client_link.delay.check(latency_ns(options))
     link_ms = options.client_link.longest_ns(latency_ns(options)) / 1e6
     return refreshes_of(link_ms, rate_hz), refreshes_of(options.proxy.longest_ms(options.network), rate_hz)
 
@@ -485,12 +455,8 @@ def set_up_replay(
 
         run.measure(track.at(track.start_ns), holds=True, keeps=True, say=say_and_note)
         schedule = schedule or schedule_of(trace.track, run.options, rate_hz)
-        cost = ""
-        if schedule.count >= _MANY:
-            least, most = (schedule.count * each / 3600 for each in _SECONDS_EACH)
-            cost = f", about {least:.1f} h on a GPU to {most:.1f} h without one; --seconds shows less"
         name = track.name or trace.path.stem
-        say(f"preparing {source.title}, OpenGL and metrics; then {schedule.count} refreshes of '{name}'{cost}")
+        say(f"preparing {source.title}, OpenGL and metrics; then {schedule.count} refreshes of '{name}'")
         gpu = run.cleanup.enter_context(Gpu())
         if slow := smaller_size(gpu, options, headset.eye_size_px):
             say(slow)

@@ -1,24 +1,32 @@
-"""Keys of summary.json that a replay, a live run and a row of a bench share; files of a replay."""
+"""Rows of frames.csv, keys of summary.json that runs share, and the files of a replay."""
 
 from __future__ import annotations
 
+import csv
+import io
+import math
 import os
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import attrs
+import numpy as np
 
 from ..geometry import Pose
 from ..gpu.context import Gpu
-from ..link import response_figures
+from ..link import ResponseTime, TransitStats, figures_of_parts
 from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference, metrics_in_order
+from ..pipeline.loop import Refresh
 from ..pipeline.sizes import rendered_entry
+from ..poses import PoseSample, PoseTrack, quaternions
 from ..poses.assumptions import Assumption, assumption_rows
 from ..report import (
     DIFF_PAGE,
     FRAME_COLUMNS,
+    POSE_PARTS,
     SCHEMA,
     OutputFolder,
     Panel,
@@ -31,9 +39,227 @@ from ..report import (
     summary_html,
 )
 from ..resources import __version__, made_with
-from .frame_rows import ANSWER_COLUMNS, Answers, ReplayLog, Row
+from ..scenes import InputEvent
 from .requirements import Verdict
 from .run import ReplayRun, Run
+
+_HALF_NS = 5_000_000
+_APART_NS = 500_000_000  # after a longer break the speed between two pictures is meaningless
+Speeds = tuple[float | None, float | None]
+
+
+def speeds_at(track: PoseTrack, time_ns: int) -> Speeds:
+    """Return angular speed in deg/s and linear speed in m/s, by central differences over 10 ms."""
+    before, after = track.at(time_ns - _HALF_NS).pose, track.at(time_ns + _HALF_NS).pose
+    turned = quaternions.angle_between(before.orientation_xyzw, after.orientation_xyzw)
+    seconds = 2 * _HALF_NS * 1e-9
+    return float(np.degrees(turned) / seconds), float(np.linalg.norm(after.position_m - before.position_m) / seconds)
+
+
+def speeds_between(before: Refresh | None, now: Refresh) -> Speeds:
+    """Return both speeds between two pictures; None for the first picture and after a break."""
+    if before is None or not 0 < now.shown_ns - before.shown_ns <= _APART_NS:
+        return None, None
+    seconds = (now.shown_ns - before.shown_ns) * 1e-9
+    a, b = before.head.pose, now.head.pose
+    turned = angle_between(a.orientation_xyzw.tolist(), b.orientation_xyzw.tolist())
+    return math.degrees(turned) / seconds, math.dist(a.position_m.tolist(), b.position_m.tolist()) / seconds
+
+
+def angle_between(a: Sequence[float], b: Sequence[float]) -> float:
+    """Return `poses.quaternions.angle_between` of two, in plain floats: 1 us instead of 20."""
+    apart, together = math.dist(a, b), math.dist(a, [-value for value in b])
+    return 4 * math.atan2(min(apart, together), max(apart, together))
+
+
+MOST_FRAMES = 12
+
+
+class Timeline:
+    """Keep how the last MOST_FRAMES frames that were shown came there, and when they were seen."""
+
+    def __init__(self) -> None:
+        # How each came, and the first and the last instant when it was seen.
+        self._kept: deque[tuple[TransitStats, int, int]] = deque(maxlen=MOST_FRAMES)
+
+    def add(self, refresh: Refresh) -> None:
+        """Add a refresh; it may show the frame of the one before."""
+        first_ns = refresh.shown_ns
+        if self._kept and self._kept[-1][0] is refresh.transit:
+            _, first_ns, _ = self._kept.pop()
+        self._kept.append((refresh.transit, first_ns, refresh.shown_ns))
+
+    def as_list(self) -> list[dict[str, Any]]:
+        """Return the `timeline` of summary.json, in ms since the first of its frames was drawn."""
+        if not self._kept:
+            return []
+        start_ns = self._kept[0][0].sent_ns
+        return [
+            {
+                "frame": transit.number,
+                "drawn": (transit.sent_ns - start_ns) * 1e-6,
+                "parts": {name: part_ns * 1e-6 for name, part_ns in transit.parts_ns().items()},
+                "shown": (first_ns - start_ns) * 1e-6,
+                "until": (last_ns - start_ns) * 1e-6,
+            }
+            for transit, first_ns, last_ns in self._kept
+        ]
+
+
+Row = dict[str, Any]
+Stages = Iterable[tuple[str, float]]
+STAGE_COLUMNS = ("warp_ms", "fill_ms", "effects_ms", "lens_ms", "total_ms")
+_NAMES = {prefix: tuple(f"{prefix}_{part}" for part in POSE_PARTS) for prefix in ("shown", "drawn")}
+
+
+@attrs.frozen(eq=False)
+class Moment:
+    """One refresh, except for the times of each eye's passes."""
+
+    # The columns that figures and charts use, by name; None: not known, or not defined for the
+    # first picture.
+    figures: Row
+    # See Frame.
+    shows_ns: int
+    # The head as it was shown, and that which the frame was drawn for.
+    shown: PoseSample
+    drawn: PoseSample | None
+    # How many eyes were shown.
+    eyes: int
+
+    @classmethod
+    def of(
+        cls, number: int, refresh: Refresh, start_ns: int, speeds: Speeds, submitted_ns: int | None = None
+    ) -> Moment:
+        """Return the moment of a refresh; start_ns: the origin of time."""
+        head, frame, plan = refresh.head, refresh.frame, refresh.plan
+        figures = {
+            "frame": number,
+            "time_s": (refresh.shown_ns - start_ns) * 1e-9,
+            "shown_ns": refresh.shown_ns,
+            "drawn_ns": frame.drawn_ns,
+            "age_ms": refresh.age_ns * 1e-6,
+            # From reading the head pose to submitting the picture.
+            "pose_age_ms": None
+            if submitted_ns is None or head.read_ns is None
+            else (submitted_ns - head.read_ns) * 1e-6,
+            "pose_origin": head.origin.name.lower(),
+            "angular_speed_deg_s": speeds[0],
+            "linear_speed_m_s": speeds[1],
+            "warp": str(plan.choice),
+            "fill": plan.fill,
+        }
+        return cls(figures, frame.shows_ns, head, frame.head, len(refresh.eyes))
+
+    def poses(self) -> Row:
+        """Return the columns of both poses, by name."""
+        columns: Row = {}
+        for which, head in (("shown", self.shown), ("drawn", self.drawn)):
+            if head is not None:
+                values = (*head.pose.position_m.tolist(), *head.pose.orientation_xyzw.tolist())
+                columns |= dict(zip(_NAMES[which], values, strict=True))
+        return columns if self.drawn is None else {**columns, "drawn_origin": self.drawn.origin.name.lower()}
+
+
+def stage_columns(stages: Stages) -> Row:
+    """Return times by the columns of frames.csv; 0 for a stage that is not in the plan."""
+    columns = dict.fromkeys(STAGE_COLUMNS[:-1], 0.0)
+    for name, milliseconds in stages:  # the client's own depth is for the warp, which reads it
+        columns["warp_ms" if name == "client_depth" else f"{name}_ms"] += milliseconds
+    return {**columns, "total_ms": sum(columns.values())}
+
+
+def csv_text(rows: Iterable[Row]) -> str:
+    """Return lines of frames.csv."""
+    text = io.StringIO()
+    csv.DictWriter(text, FRAME_COLUMNS, extrasaction="ignore", lineterminator="\n").writerows(rows)
+    return text.getvalue()
+
+
+_NOT_MEASURED = dict.fromkeys(QUALITY)
+
+
+class ReplayLog:
+    """Rows and response times of a replay; poses become columns only when written."""
+
+    def __init__(self, track: PoseTrack) -> None:
+        self._track = track
+        # Two for each refresh; figures are made from them.
+        self.rows: list[Row] = []
+        # One for each refresh.
+        self.responses: list[ResponseTime] = []
+        self.timeline = Timeline()
+        # One for each refresh.
+        self.moments: list[Moment] = []
+
+    def add(self, refresh: Refresh) -> None:
+        speeds = speeds_at(self._track, refresh.shown_ns)
+        moment = Moment.of(len(self.moments), refresh, self._track.start_ns, speeds)
+        self.moments.append(moment)
+        self.responses.append(refresh.response)
+        self.timeline.add(refresh)
+        for eye, stages in enumerate(refresh.stage_ms):
+            self.rows.append({**moment.figures, "eye": eye, **stage_columns(stages)})
+
+    def measured(self, figures: Mapping[tuple[int, int], Row]) -> None:
+        """Add the figures of the measured refreshes, by (frame, eye)."""
+        for row in self.rows:
+            row.update(figures.get((row["frame"], row["eye"]), _NOT_MEASURED))
+
+    def compared(self, times: Mapping[tuple[int, int], Stages], figures: Mapping[tuple[int, int], Row]) -> list[Row]:
+        """Return rows of a comparison on some refreshes: own times and figures, the same heads."""
+        return [
+            {**row, **stage_columns(times[key]), **figures.get(key, _NOT_MEASURED)}
+            for row in self.rows
+            if (key := (row["frame"], row["eye"])) in times
+        ]
+
+    def frames_csv(self) -> Iterator[Row]:
+        """Yield the rows with the columns of report.FRAME_COLUMNS; both eyes share the poses."""
+        for row in self.rows:
+            yield {**row, **self.moments[row["frame"]].poses()}
+
+
+@attrs.define(eq=False)
+class Answers:
+    """How long after each input a picture first showed what came of it."""
+
+    # When the first picture was drawn: older inputs do not count.
+    since_ns: int = 0
+    _last_ns: int = 0
+    _waiting: deque[int] = attrs.field(factory=deque)  # instants of inputs, the oldest first
+    _took_ms: list[float] = attrs.field(factory=list)
+
+    def add(self, event: InputEvent) -> None:
+        """Add an input, later than those before."""
+        if event.time_ns >= self.since_ns:
+            self._waiting.append(event.time_ns)
+
+    def see(self, shown_ns: int, shows_ns: int) -> None:
+        """Take note of a picture: it shows what came of all inputs until an instant."""
+        self._last_ns = shown_ns
+        while self._waiting and self._waiting[0] <= shows_ns:
+            self._took_ms.append((shown_ns - self._waiting.popleft()) * 1e-6)
+
+    def entry(self) -> dict[str, Any]:
+        """Return the `input` of summary.json: of inputs until the last picture."""
+        took_ms = self._took_ms
+        count = len(took_ms) + sum(at_ns <= self._last_ns for at_ns in self._waiting)
+        if not took_ms:
+            return {"count": count, "answered": 0}
+        times = {"mean": float(np.mean(took_ms)), "p95": float(np.percentile(took_ms, 95)), "most": max(took_ms)}
+        return {"count": count, "answered": len(took_ms), "response_time_ms": times}
+
+    def note(self) -> str:
+        entry = self.entry()
+        if "response_time_ms" not in entry:
+            return f"No picture showed what came of {entry['count']} inputs."
+        times = entry["response_time_ms"]
+        return (
+            f"Response time, from an input to the first picture drawn after it: {times['mean']:.0f} ms on average, "
+            f"{times['p95']:.0f} at the 95th percentile ({entry['answered']} of {entry['count']} inputs)."
+        )
+
 
 # Files that a run may write; a later run into the same folder removes those it does not write
 # again.
@@ -130,26 +356,17 @@ class ReplayResult:
 def summary_of_rows(setup: ReplayRun, passes: tuple[str, str, str], rows: list[Row]) -> dict[str, Any]:
     """Return the keys of summary.json for the named passes; rows: as of frames.csv."""
     name, headset = setup.track.name or setup.trace.path.stem, setup.source.headset
-    measured, notes = aggregate(rows), []
-    views, size, figures = headset.views(Pose()), setup.sizes.shown, [one.figure for one in metrics_in_order()]
-    hidden: dict[str, Any] = {}
+    views, hidden, notes = headset.views(Pose()), dict[str, Any](), list[str]()
     if any(view.hidden is not None for view in views):
-        # The share of the shown pixels, and the means if hidden ones, which are black and alike,
-        # counted too.
-        seen = sum(float(view.seen(size).mean()) for view in views) / len(views)
-        means = {one.name: one.of_all(measured["quality"][one.name]["mean"], seen) for one in metrics_in_order()}
-        hidden = {"hidden": {"share": 1 - seen, "quality": means}}
-        told = (f"{one.label} {one.text(means[one.name])} {one.unit}".strip() for one in figures)
-        notes = [
-            f"The lens hides {1 - seen:.1%} of each picture: it is neither drawn, warped nor counted. "
-            f"With it, all black, the means are: {', '.join(told)}."
-        ]
+        share = 1 - sum(float(view.seen(setup.sizes.shown).mean()) for view in views) / len(views)
+        hidden = {"hidden": {"share": share}}
+        notes = [f"The lens hides {share:.1%} of each picture: it is neither drawn, warped nor counted."]
     trace, rate_hz = setup.trace, setup.schedule.rate_hz
     about = summary_of(setup, passes, name, headset.name, rate_hz, setup.track.axes, trace.assumptions)
     return {
         **about,
         "frames": len({row["frame"] for row in rows}),
-        **measured,
+        **aggregate(rows),
         **hidden,
         "notes": [*setup.notes, *notes],
     }
@@ -162,18 +379,18 @@ def result_of(
     options, rows = setup.options, log.rows
     if setup.source.scene.inputs:
         first_ns = setup.schedule.first_ns - setup.schedule.age_ns
-        log.answers = Answers(first_ns, epoch_ns=setup.trace.track.epoch_ns)
+        answers = Answers(first_ns)
         for event in setup.source.scene.inputs:
-            log.answers.add(event)
+            answers.add(event)
         for moment in log.moments:
-            log.answers.see(moment.figures["shown_ns"], moment.shows_ns)
-        setup.notes.append(log.answers.note())
-        more = {**more, "input": log.answers.entry()}
+            answers.see(moment.figures["shown_ns"], moment.shows_ns)
+        setup.notes.append(answers.note())
+        more = {**more, "input": answers.entry()}
     summary = summary_of_rows(setup, (options.warp, options.fill, options.lens), rows)
     summary["link"] = {
         **setup.channel.summary(setup.schedule.rate_hz),
-        "response": "fixed" if options.network.response is None else "sum",
-        "response_ms": response_figures(log.responses),
+        "response": options.network.response,
+        "response_ms": figures_of_parts([[*time.parts().values()] for time in log.responses]),
         "timeline": log.timeline.as_list(),
     }
     summary |= more
@@ -222,8 +439,6 @@ def write_results(
         names = EYES if result.summary.get("eyes", 2) == 2 else ("camera",)
         strips = [encoders.submit(write_strip, kept) for kept in pool.kept]
         out.write_csv("frames.csv", log.frames_csv(), FRAME_COLUMNS)
-        if log.answers is not None:
-            out.write_csv("inputs.csv", log.answers.rows(), ANSWER_COLUMNS)
         time_s = {row["frame"]: row["time_s"] for row in result.rows}
         verdict = None
         if judge is not None:

@@ -158,15 +158,6 @@ class TakeIn(Owner):
             sent.append(self._staged[key])
         return sent[0], sent[1]
 
-    def sent(self, picture: Arrays, buffers: PixelBuffers, number: int = 0) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Return colour and depth as they were sent, whatever the arrays have become since then."""
-        found = []
-        for name, array in _arrays_of(picture).items():
-            buffer, view = self._staging(name, array, buffers, number)
-            with mapped(buffer) as raw:
-                found.append(np.array(view(raw), array.dtype))
-        return found[0], found[1][..., 0]
-
     def run(self, picture: Arrays, sent: Pair, into: Pair, found: Found, number: int) -> None:
         """Write rgba16f light with coverage and r32f inverse depth, of what `send` returned."""
         size, light = self._size, self._light_of_byte
@@ -309,7 +300,7 @@ class GiveOut(Owner):
         self._gpu.barrier()
         return made
 
-    def arrays(self, made: Mapping[str, moderngl.Buffer], out: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    def arrays(self, made: Mapping[str, moderngl.Buffer]) -> dict[str, NDArray[Any]]:
         wide, high = self._size
         filled_up = -(-wide // 4) * 4
         found = {}
@@ -318,7 +309,6 @@ class GiveOut(Owner):
             kind = np.dtype(np.uint8 if pixel_bytes == 3 else np.float32)
             shape = (high, wide, 3) if name == "colour" else (high, wide)
             steps = (filled_up * pixel_bytes, pixel_bytes, kind.itemsize)[: len(shape)]
-            found[name] = out[name] if name in out else np.empty(shape, kind)
-            with mapped(buffer) as raw, np.errstate(over="ignore"):
-                np.copyto(found[name], np.ndarray(shape, kind, raw, strides=steps), casting="same_kind")
+            with mapped(buffer) as raw:
+                found[name] = np.ndarray(shape, kind, raw, strides=steps).copy("C")
         return found

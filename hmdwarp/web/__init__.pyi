@@ -1,4 +1,3 @@
 from .door import MOST_REPORT as MOST_REPORT
 from .door import STEPS as STEPS
 from .door import Door as Door
-from .door import Lock as Lock

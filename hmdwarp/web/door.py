@@ -22,7 +22,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import attrs
 import zmq
 import zmq.asyncio
 from aiohttp import web
@@ -72,21 +71,14 @@ _HEADERS = {
 }
 
 
-@attrs.frozen
-class Lock:
-    """What the server of the feed wants of its clients."""
-
-    secret: str = ""
-    pair: KeyPair | None = None
-
-
 class Door:
     """Serve the page at HOST:PORT, and pass browsers' messages on to a server of the feed.
 
-    feed: its address, as the server says it. about: what the page is told, by key. files: by path,
-    what makes JSON, such as a trace. certificate: a PEM file with key and certificate, made if
-    missing; None for plain HTTP. log: makes what takes the reports of a connection, and is closed
-    then. places: those of the feed's door, whose limits hold here too.
+    feed: its address, as the server says it; secret, pair: what it wants of its clients. about:
+    what the page is told, by key. files: by path, what makes JSON, such as a trace. certificate: a
+    PEM file with key and certificate, made if missing; None for plain HTTP. log: makes what takes
+    the reports of a connection, and is closed then. places: those of the feed's door, whose limits
+    hold here too.
     Errors: InputError for an address that cannot be listened at, and for one beyond this machine
     without a certificate unless is_open.
     """
@@ -98,7 +90,8 @@ class Door:
         about: Mapping[str, Any],
         files: Mapping[str, Callable[[], Any]],
         *,
-        lock: Lock | None = None,
+        secret: str = "",
+        pair: KeyPair | None = None,
         certificate: Path | None = None,
         is_open: bool = False,
         log: Callable[[], Any] | None = None,
@@ -113,7 +106,7 @@ class Door:
                 f"--web {address}: beyond this machine it wants --certificate FILE.pem, made if missing, without "
                 "which a browser offers no VR; or give --open to send pictures and cookies unencrypted"
             )
-        self._feed, self._lock, self._say = feed.replace("0.0.0.0", "127.0.0.1"), lock or Lock(), say
+        self._feed, self._secret, self._pair, self._say = feed.replace("0.0.0.0", "127.0.0.1"), secret, pair, say
         self._log, self._places = log, places or Places(lambda _, __, text: say(text))
         self._tls: Any = None
         self._scheme = "http" if certificate is None else "https"
@@ -130,8 +123,15 @@ class Door:
         self._files["/"] = self._files.pop("/index.html")
         self._token = secrets.token_urlsafe(_TOKEN_BYTES)
         # A secret of its own makes cookies that a server started anew knows again.
-        self._key = self._lock.secret.encode() or secrets.token_bytes(_TOKEN_BYTES)
-        self._listener = _listener(address)
+        self._key = self._secret.encode() or secrets.token_bytes(_TOKEN_BYTES)
+        host = on.strip("[]")
+        try:
+            family = socket.AF_INET6 if ":" in host else socket.AF_INET
+            self._listener = socket.create_server((host, 0 if number == "*" else int(number)), family=family)
+        except OSError as error:
+            raise InputError(
+                f"--web {address}: {error.strerror or error}: take another port or stop what listens there"
+            ) from error
         host, port = self._listener.getsockname()[:2]
         host = hosts_at(host)[0]
         self._place = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
@@ -224,7 +224,7 @@ class Door:
         # The system holds few unsent bytes: what waits there gets no newer.
         if (option := getattr(socket, "TCP_NOTSENT_LOWAT", None)) is not None:
             request.transport.get_extra_info("socket").setsockopt(socket.IPPROTO_TCP, option, _MOST_UNSENT)
-        server, port, token = self._context.socket(zmq.DEALER), 0, token_of(self._lock.secret)
+        server, port, token = self._context.socket(zmq.DEALER), 0, token_of(self._secret)
         log = self._log() if self._log is not None else None
         down = asyncio.ensure_future(self._pass_down(server, browser))
         try:
@@ -259,7 +259,7 @@ class Door:
         self._places.guests[port] = address
         self._visitors.count()
         set_options(zmq, server, _FEED | {"IPV6": "[" in host})
-        if (pair := self._lock.pair) is not None:
+        if (pair := self._pair) is not None:
             server.curve_serverkey = pair.public
             server.curve_publickey, server.curve_secretkey = zmq.curve_keypair()
         server.connect(self._feed.replace("://", f"://{host}:{port};"))
@@ -279,18 +279,6 @@ class Door:
 
 def _as_json(content: Any) -> tuple[bytes, str]:
     return json.dumps(content).encode(), "application/json"
-
-
-def _listener(address: str) -> socket.socket:
-    host, _, port = address.rpartition(":")
-    host = host.strip("[]")
-    try:
-        family = socket.AF_INET6 if ":" in host else socket.AF_INET
-        return socket.create_server((host, 0 if port == "*" else int(port)), family=family)
-    except OSError as error:
-        raise InputError(
-            f"--web {address}: {error.strerror or error}: take another port or stop what listens there"
-        ) from error
 
 
 def _bytes(text: str) -> bytes:

@@ -14,11 +14,11 @@ from depth_camera import DepthCamera
 from other_faults import FAULTS, Fault
 from PIL import Image
 from scipy.spatial.transform import Rotation
-from wrong_frames import INTERVAL_NS, MISREADINGS, Recording, filmed, recordings, right_frames, wrong_frames
+from wrong_frames import INTERVAL_NS, MISREADINGS, Recording, filmed, right_frames, wrong_frames
 
-from hmdwarp.check import LEFT, Stated, StatedFrame, check, mismatch, read_stated
+from hmdwarp.check import LEFT, Stated, StatedFrame, check, read_stated
 from hmdwarp.errors import InputError
-from hmdwarp.geometry import DepthLayer, Fov, Pose, View, inverse_depth_from_clip
+from hmdwarp.geometry import DepthLayer, Fov, Pose, View
 from hmdwarp.sources.sequences import SequenceOptions
 
 # Random cases, by default each misreading once; docs/check.md has the figures of 1000.
@@ -58,7 +58,7 @@ def test_two_wrong_conventions_are_both_named_or_it_says_that_it_cannot_tell(rec
 def test_a_fault_that_is_no_convention_gets_no_other_cause(name):
     """In a room and a motion of its own: it cannot be told, or is the time of a late pose."""
     answer = check(Stated(FAULTS[name].frames(list(FAULTS).index(name))))
-    told = [finding.name for finding in answer.findings if not finding.as_stated and answer.decision.is_told]
+    told = [finding.name for finding in answer.findings if not finding.as_stated and answer.is_told]
     assert told in ([], ["time"] if "late" in name else []) and bool(told) == bool(answer.code)
     assert told or answer.verdict != "wrong" or "cannot be told" in answer.headline
 
@@ -77,8 +77,7 @@ def test_wrong_intrinsics_are_named_and_measured(fx, fy, x, y, in_the_room):
     wrong = ["focal"] if fx != 1 or fy != 1 else ["centre"]
     assert [finding.name for finding in answer.findings if not finding.as_stated] == wrong
     mended, true = (
-        mend(frame, code).view.fov
-        for frame, code in ((answer.decision.search.stated.frames[0], answer.code), (right[0], ()))
+        mend(frame, code).view.fov for frame, code in ((answer.search.stated.frames[0], answer.code), (right[0], ()))
     )
     found, expected = (np.array(fov.intrinsics((96, 72))) for fov in (mended, true))
     # A hundredth of the focal length is half a pixel at the border; noise and gaps move no more.
@@ -122,7 +121,6 @@ def test_a_head_that_only_turns_tells_the_focal_length_and_no_scale_and_says_why
     assert named(filmed(frames, (1.1, 1.1))) == ["focal"] and named(frames) == []
     found = untold(frames)
     assert "scale" in found and "order" not in found
-    assert "the eye moves by only 0 % of the distance" in found["scale"]
     assert "places farther apart" in found["scale"]
 
 
@@ -188,7 +186,7 @@ def mend(frame: StatedFrame, code: tuple[str, ...]) -> StatedFrame:
     """Run the lines over one frame."""
     height, width = frame.depth.shape
     known = {"np": np, "Pose": Pose, "View": View, "Fov": Fov, "Rotation": Rotation, "width": width, "height": height}
-    known |= {"inverse_depth_from_clip": inverse_depth_from_clip, "pose": frame.view.pose, "fov": frame.view.fov}
+    known |= {"DepthLayer": DepthLayer, "pose": frame.view.pose, "fov": frame.view.fov}
     known |= {"colour": frame.colour, "depth_m": frame.depth}
     with np.errstate(divide="ignore"):
         exec("\n".join(code), known)
@@ -208,17 +206,6 @@ def test_the_numbers_are_those_that_were_wrong(in_the_room):
     ]
     # A tenth of the offset: the motion between frames is a curve through their poses.
     assert check(Stated(moved)).reading.late_s == pytest.approx(late / 1e9, rel=0.1)
-
-
-def test_numbers_that_hardly_differ_do_not_agree_with_any_reading(gpu):
-    """Reversed depth read as if it were not: three of four numbers lie within a fifth."""
-    recorded = recordings(gpu, ["room"], 4, np.random.default_rng(1))[3]
-    rng = np.random.default_rng([2, 26])
-    rng.integers(8)  # check_rates draws the recording first: these are the frames of its case 26
-    frames = wrong_frames(recorded, "not reversed", rng)
-    read = np.concatenate([1 / frame.depth[np.isfinite(frame.depth) & (frame.depth > 0)] for frame in frames])
-    assert np.percentile(read, 95) < 1.2 * np.percentile(read, 20)
-    assert named(frames) == ["encoding"]
 
 
 def untold(frames: list[StatedFrame]) -> dict[str, str]:
@@ -263,13 +250,6 @@ def test_pictures_without_detail_do_not_agree_in_colour(in_the_room):
     frames = [attrs.evolve(frame, colour=np.full_like(frame.colour, 0.5)) for frame in frames]
     answer = check(Stated(frames))
     assert answer.verdict == "no agreement" and "but not in colour" in answer.headline
-
-
-def test_the_picture_has_a_row_as_stated_and_one_as_found(in_the_room):
-    rng = np.random.default_rng(10)
-    wrong = mismatch(check(Stated(wrong_frames(in_the_room, "world to eye", rng))))
-    right = mismatch(check(Stated(wrong_frames(in_the_room, "right", rng))))
-    assert wrong.shape[0] == pytest.approx(2 * right.shape[0], rel=0.1) and wrong.shape[1] == right.shape[1]
 
 
 def test_frames_that_cannot_be_compared_are_refused(in_the_room):

@@ -16,7 +16,7 @@ from scenes.glb import Glb
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.check import Convention, MotionFrame, MotionFrames, check_motion, motion_mismatch, read_motion, synthesise
+from hmdwarp.check import Convention, MotionFrame, MotionFrames, check_motion, read_motion, synthesise
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import DepthLayer, Fov, Pose, View
@@ -178,7 +178,6 @@ def test_what_is_no_convention_cannot_be_told(true, fault):
         verdict = check_motion(given(frames, [right[0], *(one.astype(np.float16) for one in found)]))
         assert verdict.verdict == "cannot be told" and not verdict.explained, verdict.headline()
         assert "no convention explains" in verdict.headline() and not verdict.code() and not verdict.lines()
-        assert motion_mismatch(verdict).shape[2] == 3
 
 
 def test_what_frames_do_not_show_is_said(true):
@@ -203,8 +202,8 @@ def test_the_line_to_change_makes_them_those_of_the_extension(true):
 
 def test_the_command_says_what_is_wrong_and_that_what_is_stated_is_right(true, tmp_path):
     folder = made.write_folder(tmp_path / "frames", true["parade"], CONVENTIONS[15])
-    told = hmdwarp("check", "--motion", folder, "--out", tmp_path / "found.png").stdout
-    assert told.startswith("wrong: unit, y axis, direction and jitter.") and (tmp_path / "found.png").exists()
+    told = hmdwarp("check", "--motion", folder).stdout
+    assert told.startswith("wrong: unit, y axis, direction and jitter.")
     assert "info.motionVectorScale = {-2, 2, -1, 0}" in told and "standard errors ahead)  <- not as stated" in told
     stated = dict(zip(("unit", "y", "sign", "jitter"), CONVENTIONS[15], strict=True))
     made.write_folder(folder, true["parade"], CONVENTIONS[15], convention=stated)

@@ -34,7 +34,8 @@ def copied(run, folder, **changes):
     for panel, (levels, count) in changes.items():
         left = panels.index(panel) * (strip.shape[1] + 6) // len(panels)  # 6 white pixels between two
         part = strip[-20, left : left + count]
-        strip[-20, left : left + count] = np.where(part > 127, part - levels, part + levels)
+        up_and_down = np.resize([levels, -levels], (count, 1))
+        strip[-20, left : left + count] = np.clip(part.astype(int) + up_and_down, 0, 255)
         summary["digests"][f"images/{name}"] |= {panel: "0" * 64} if panel != "error" else {}
     Image.fromarray(strip).save(folder / "images" / name)
     (folder / "summary.json").write_text(json.dumps(summary))

@@ -239,8 +239,7 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     kept = [fill for fill in writing if plan.reads_depth_after(fill) or not fill.entry.drops_depth]
     depths = 2 * (1 + len(kept)) if has_depth else 0
     depths += plan.draws_client_depth
-    meshes = 2 * (lens == "mesh")  # its points for each eye
-    assert len(costs.made["texture"]) == own_counts["texture"] + canvases + depths + meshes
+    assert len(costs.made["texture"]) == own_counts["texture"] + canvases + depths
     assert len(costs.made["framebuffer"]) == own_counts["framebuffer"] + canvases
     assert len(costs.made["buffer"]) == own_counts["buffer"]
     others = {path for path in costs.paths() if path not in own_paths}

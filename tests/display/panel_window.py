@@ -3,9 +3,8 @@
 python -m display.panel_window, led by programs.Led.
 
 Tells what was asked for, what the window itself heard, whether the panel wanted it. A line on its
-standard input: "end", "off", "on", "catch", "free" (the mouse), "close" (the panel alone), "state"
-for what drawing the panel changed of OpenGL, or "where" for the middle of each widget and of the
-latency slider's grab, counted from the top left.
+standard input: "end", "off", "on", "catch", "free" (the mouse), "close" (the panel alone), or
+"where" for the middle of each widget and of the latency slider's grab, counted from the top left.
 """
 
 from __future__ import annotations
@@ -24,7 +23,6 @@ from hmdwarp.display.desktop.control_panel import installed
 
 assert installed()
 from imgui_bundle import imgui  # noqa: E402
-from OpenGL import GL  # noqa: E402
 
 from hmdwarp.display.desktop.control_panel import panel as module  # noqa: E402
 from hmdwarp.display.desktop.window_input import label  # noqa: E402
@@ -95,52 +93,6 @@ class Places:
         return noted
 
 
-NUMBERS = (
-    "ACTIVE_TEXTURE", "ARRAY_BUFFER_BINDING", "BLEND_DST_ALPHA", "BLEND_DST_RGB", "BLEND_EQUATION_ALPHA",
-    "BLEND_EQUATION_RGB", "BLEND_SRC_ALPHA", "BLEND_SRC_RGB", "CURRENT_PROGRAM", "DRAW_FRAMEBUFFER_BINDING",
-    "SCISSOR_BOX", "UNPACK_ALIGNMENT", "UNPACK_ROW_LENGTH", "VERTEX_ARRAY_BINDING", "VIEWPORT",
-)  # fmt: skip
-FLAGS = ("BLEND", "CULL_FACE", "DEPTH_TEST", "FRAMEBUFFER_SRGB", "PRIMITIVE_RESTART", "SCISSOR_TEST", "STENCIL_TEST")
-UNITS = range(4)
-
-
-def state() -> dict[str, list[int]]:
-    found = {name: np.ravel(GL.glGetIntegerv(getattr(GL, f"GL_{name}"))).tolist() for name in NUMBERS}
-    found |= {name: [int(GL.glIsEnabled(getattr(GL, f"GL_{name}")))] for name in FLAGS}
-    for unit in UNITS:
-        GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
-        for name in ("TEXTURE_BINDING_2D", "SAMPLER_BINDING"):
-            found[f"{name} {unit}"] = [int(GL.glGetIntegerv(getattr(GL, f"GL_{name}")))]
-    GL.glActiveTexture(found["ACTIVE_TEXTURE"][0])
-    return found
-
-
-def changed_by(gl: moderngl.Context, draw) -> list[str]:
-    """The names of what is another after a drawing, where before a renderer beside the panel has
-    left things bound as unlike Dear ImGui's own as can be.
-    """
-    program = gl.program(
-        vertex_shader="#version 430\nvoid main() { gl_Position = vec4(0.0); }",
-        fragment_shader="#version 430\nout vec4 colour;\nvoid main() { colour = vec4(1.0); }",
-    )
-    texture, sampler = gl.texture((4, 4), 4), gl.sampler()
-    gl.screen.use()
-    gl.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-    gl.blend_func = moderngl.ONE, moderngl.ZERO, moderngl.DST_ALPHA, moderngl.ONE
-    gl.blend_equation = moderngl.MAX
-    gl.screen.scissor, gl.screen.viewport = (1, 2, 3, 4), (5, 6, 70, 80)
-    gl.vertex_array(program, []).render(moderngl.POINTS, vertices=1)
-    for unit in UNITS:
-        texture.use(unit)
-        sampler.use(unit)
-    _ = gl.error  # of reading the screen; PyOpenGL would raise it
-    before = state()
-    draw()
-    after = state()
-    gl.screen.scissor, gl.screen.viewport = None, (0, 0, *SIZE)
-    return [name for name, value in after.items() if value != before[name]]
-
-
 def main() -> None:
     window = opened()
     gl = moderngl.create_context(require=430)
@@ -176,8 +128,6 @@ def main() -> None:
                 case "close":
                     panel.close()
                     heard.panel = None
-                case "state":
-                    tell(changed=changed_by(gl, lambda: panel.draw(status, SIZE)))
             grab = grab_of(gl.screen, glfw.get_framebuffer_size(window))
             tell(line=line, grab=grab, column=panel.column, places=places.found)
     panel.close()

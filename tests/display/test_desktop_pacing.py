@@ -79,11 +79,6 @@ def test_a_driver_that_does_not_wait_though_asked_is_waited_for():
     assert not pacer.paced and pacer.due(7) == 7
 
 
-@pytest.mark.parametrize("rate", [0, -1])
-def test_a_screen_without_a_rate_counts_as_60_hz(rate):
-    assert Pacer(rate, waits=True).period_ns == PERIOD
-
-
 @given(st.floats(20, 500), st.lists(st.floats(0, 200), max_size=40), st.booleans(), st.booleans())
 def test_no_picture_is_expected_before_it_is_begun_nor_held_back_for_more_than_a_period(rate, works, waits, obeys):
     pacer = Pacer(rate, waits)

@@ -87,25 +87,6 @@ def test_keys_change_what_the_title_tells(live):
     live.titled("spheres - forward + ", "age ")
 
 
-def test_held_key_goes_on_for_numbers_alone(live):
-    def latency_ms() -> int:
-        return int(live.title.split(" ms")[0].rsplit(" ", 1)[1])
-
-    live.screen.do("keydown", "bracketright")
-    until(lambda: latency_ms() >= 300, "latency growing while the key is held")
-    live.screen.do("keyup", "bracketright")
-
-    def back() -> bool:
-        """Whether it is at rest where it was; repeats may still be on their way."""
-        before = latency_ms()
-        live.screen.do("sleep", 0.6)  # the title is written four times a second
-        if (now := latency_ms()) == before:
-            live.press(*["bracketleft"] * ((now - 50) // 50), *["bracketright"] * ((50 - now + 49) // 50))
-        return now == before == 50
-
-    until(back, "latency back at 50 ms")
-
-
 def test_the_help_is_laid_over_the_left_eye_and_taken_away(live):
     before = live.picture()
     for closes in ("h", "Escape"):  # which ends nothing then

@@ -7,7 +7,8 @@ from __future__ import annotations
 import platform
 from pathlib import Path
 
-from hmdwarp.display.openxr import LOST, STAGES, diagnose, manifest, manifest_text, missing_extensions
+from hmdwarp.display.openxr import diagnose, manifest_text, missing_extensions
+from hmdwarp.display.openxr.diagnosis import LOST, STAGES, manifest
 
 ACTIVE = "active is runtime.json, library librt.so"
 DIFFERENT = [

@@ -167,13 +167,6 @@ def test_a_run_that_has_not_begun_has_no_row_without_a_value(led):
     assert not {"scene", "effects"} & led.places().keys()
 
 
-def test_it_leaves_opengl_as_it_was(led):
-    """Twice: at first glyphs are sent, later only drawn."""
-    for _ in range(2):
-        led.say("state")
-        assert led.heard("changed") == [{"changed": []}]
-
-
 @needs.programs("xrdb")
 def test_on_a_dense_screen_it_is_larger_and_closed_it_gives_the_callbacks_back(screen, tmp_path):
     how = {"text": True, "env": screen.environment, "timeout": PATIENCE_S}

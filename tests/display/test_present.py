@@ -12,7 +12,7 @@ from scipy.ndimage import map_coordinates
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.colour import linear_from_srgb, srgb8_from_linear, srgb_from_linear
-from hmdwarp.display import FRAMEBUFFER_SRGB, Notices, Presenter, fitted, text_ink
+from hmdwarp.display import FRAMEBUFFER_SRGB, Presenter, text_ink
 from hmdwarp.display.present import KEPT
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, Canvas, allocate, download, upload
@@ -145,19 +145,6 @@ def test_another_size_is_bilinear(gpu, presenter, size):
     assert np.abs(got - 255 * srgb_from_linear(scaled(image, size))).max() <= rounding(gpu) + 0.05
 
 
-@pytest.mark.parametrize(
-    ("size", "place", "wanted"),
-    [
-        ((1280, 800), (0, 0, 1280, 800), (0, 0, 1280, 800)),
-        ((1280, 800), (0, 0, 1280, 1000), (0, 100, 1280, 800)),
-        ((640, 800), (10, 20, 1000, 400), (350, 20, 320, 400)),
-        ((3000, 2), (0, 0, 100, 100), (0, 49, 100, 1)),  # never nothing
-    ],
-)
-def test_bars_keep_the_shape(size, place, wanted):
-    assert fitted(size, place) == wanted
-
-
 # --- the flags of GL ----------------------------------------------------------------------------
 
 
@@ -184,31 +171,6 @@ def test_encoding_is_off_again_afterwards(gpu, presenter):
     assert screen.framebuffer.viewport == (0, 0, 4, 4)
 
 
-MAKERS = ("texture", "buffer", "framebuffer", "vertex_array", "program", "query", "sampler", "scope")
-
-
-def test_textures_are_made_the_first_time_only(gpu, presenter, monkeypatch):
-    gl, canvas = gpu.gl, canvas_of(gpu.gl, random_picture(6, 40, 30))
-    screen, depth = Screen(gl, (40, 30), srgb=False), gl.framebuffer(depth_attachment=gl.depth_texture((40, 30)))
-    inverse = allocate(gl, (40, 30), SCALAR)
-    made = []
-
-    def go() -> None:
-        for width, hardware, text in ((40, False, "tracking lost"), (20, True, "")):
-            how = {"hardware_srgb": hardware, "notice": presenter.notice(text)}
-            presenter.show(canvas, screen.framebuffer, (0, 0, width, 30), **how)
-        presenter.depth(inverse, depth, 0.1)
-
-    go()
-    compiled = len(gpu.shaders)
-    for name in MAKERS:
-        monkeypatch.setattr(type(gl), name, lambda *_, name=name, **__: made.append(name))
-    for _ in range(3):
-        go()
-    assert not made
-    assert len(gpu.shaders) == compiled
-
-
 # --- notices ------------------------------------------------------------------------------------
 
 EYES = {
@@ -222,25 +184,18 @@ EYES = {
 }
 
 
-@pytest.fixture
-def notices(gpu):
-    made = Notices(gpu.gl)
-    yield made
-    made.close()
-
-
 def pixels_of(uv: list[tuple[float, float]], uv_from_pixel: np.ndarray) -> np.ndarray:
     at = np.linalg.inv(uv_from_pixel) @ np.column_stack([uv, np.ones(len(uv))]).T
     return (at[:2] / at[2]).T
 
 
 @pytest.mark.parametrize("eye", EYES)
-def test_a_notice_stands_1_m_before_the_head(notices, eye):
+def test_a_notice_stands_1_m_before_the_head(presenter, eye):
     """By rays instead of the matrix.
 
     Each pixel's ray through the plane z = -1 m of the head, then along the notice's axes.
     """
-    view, size, notice = EYES[eye], (64, 80), notices.of("tracking lost")
+    view, size, notice = EYES[eye], (64, 80), presenter.notice("tracking lost")
     uv_from_pixel = notice.uv_from_pixel(size, view)
     pixel = pixels_of([(0, 0), (1, 0), (0, 1), (0.5, 0.5)], uv_from_pixel)
     left, right, down, up = view.fov.tangents
@@ -257,11 +212,11 @@ def test_a_notice_stands_1_m_before_the_head(notices, eye):
     assert ((pixel >= 0) & (pixel <= size)).all()
 
 
-def test_a_notice_behind_the_eye_is_not_shown(notices):
+def test_a_notice_behind_the_eye_is_not_shown(presenter):
     """A homogeneous uv has a mirror image there."""
     turned = View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7), Pose((0, 0, 0), (0, 1, 0, 0)))  # an eye that looks backwards
     corners = [(x, y, 1) for x in (0.5, 63.5) for y in (0.5, 63.5)]
-    assert ((corners @ notices.of("behind").uv_from_pixel((64, 64), turned).T)[:, 2] < 0).all()
+    assert ((corners @ presenter.notice("behind").uv_from_pixel((64, 64), turned).T)[:, 2] < 0).all()
 
 
 @pytest.mark.parametrize("eye", [None, *EYES])
@@ -312,23 +267,23 @@ def test_text_is_white_upright_and_wrapped_and_a_tab_makes_columns():
 
 
 @pytest.mark.parametrize("size", [(640, 800), (1100, 1000), (96, 120)])
-def test_a_long_text_is_all_there(notices, size):
+def test_a_long_text_is_all_there(presenter, size):
     """In the place, and in the view of an eye that sees 41 degrees to each side."""
-    notice = notices.of("\n".join(f"key {i}\twhat it does, in some words" for i in range(20)))
+    notice = presenter.notice("\n".join(f"key {i}\twhat it does, in some words" for i in range(20)))
     for view in (None, View(Pose(), Fov.symmetric(1.44, 1.44), Pose((0.034, 0, 0)))):
         pixel = pixels_of([(0, 0), (1, 1)], notice.uv_from_pixel(size, view))
         assert ((pixel >= 0) & (pixel <= size)).all()
 
 
-def test_texts_are_kept_and_the_oldest_goes(notices):
-    assert notices.of("") is None
-    first = notices.of("0")
-    assert notices.of("0") is first
-    others = [notices.of(str(number)) for number in range(1, KEPT)]
-    assert notices.of("0") is first
-    notices.of("one more")
-    assert notices.of("1") is not others[0]
-    assert notices.of("0") is first
+def test_texts_are_kept_and_the_oldest_goes(presenter):
+    assert presenter.notice("") is None
+    first = presenter.notice("0")
+    assert presenter.notice("0") is first
+    others = [presenter.notice(str(number)) for number in range(1, KEPT)]
+    assert presenter.notice("0") is first
+    presenter.notice("one more")
+    assert presenter.notice("1") is not others[0]
+    assert presenter.notice("0") is first
 
 
 # --- depth --------------------------------------------------------------------------------------

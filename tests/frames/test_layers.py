@@ -177,13 +177,6 @@ def test_only_lost_updates_are_sent_twice():
     assert outbox.update([0], 10_000, 11).pieces == sent[1].pieces
 
 
-def test_the_first_in_order_crosses_first_and_the_order_may_change():
-    outbox = Outbox(things_of([FRAGMENT_BYTES] * 4))
-    assert outbox.update([2, 0, 1, 3], 1, 0).pieces == ((2, 0),)
-    assert outbox.update([3, 2, 1, 0], 1, 0).pieces == ((3, 0),)
-    assert outbox.waiting == {0, 1}
-
-
 def test_a_repeated_update_changes_nothing_and_takes_no_memory():
     outbox, inbox = Outbox(things_of([3 * FRAGMENT_BYTES])), Inbox()
     update = outbox.update([0], 10_000, 0)

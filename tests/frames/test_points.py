@@ -146,10 +146,3 @@ def test_points_travel_with_frames_and_are_warped(gpu, codec):
         assert refresh.transit.size_bytes == expected, "once a frame, not once an eye, and nothing that is not read"
         assert [delivery.released for delivery in sent] == [1] * 5 + [0] * 3, "frames that were shown, and no more"
     assert [delivery.released for delivery in sent] == [1] * 8
-
-
-def test_frames_without_points_have_none(gpu):
-    with running(gpu, "forward", latency_ms=0) as made:
-        made.loop.draw(0)
-        assert "dots" not in made.loop.show(0).inputs[0].rendered
-    assert PointsPart.made == []

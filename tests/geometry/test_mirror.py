@@ -82,8 +82,3 @@ def test_a_face_is_at_least_as_dense_as_the_picture_and_no_denser_than_needed(fo
     assert inner >= 2 * densest * (1 - 1e-6) - 1e-6
     assert inner <= max(1, 2 * densest + 1)
     assert cube_size(fov, size) == (3 * (inner + 2), 2 * (inner + 2))
-
-
-def test_a_picture_of_ninety_degrees_has_faces_of_its_own_size():
-    """Whatever the last bits of the tangents say."""
-    assert inner_size(Fov.symmetric(np.pi / 2, np.pi / 2), (512, 512)) == 512

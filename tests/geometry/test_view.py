@@ -48,15 +48,6 @@ def test_tangents_and_back(fov):
     assert max(abs(getattr(again, s) - getattr(fov, s)) for s in SIDES) <= 16 * UNIT
 
 
-@given(FOVS, SIZES)
-def test_pixel_from_tangent_puts_the_corners_at_the_corners(fov, size):
-    left, right, down, up = fov.tangents
-    corners = np.array([[left, down, 1], [right, up, 1]]) @ fov.pixel_from_tangent(size).T
-    # Corners are differences of numbers below 1e5 pixels (a view off its own axis starts far from
-    # tangent 0).
-    assert np.abs(corners - [[0, 0, 1], [*size, 1]]).max() <= 8 * UNIT * 1e5
-
-
 @given(FOVS, st.tuples(st.integers(1, 60), st.integers(1, 60)))
 def test_rays_go_through_the_pixel_centres(fov, size):
     rays = View(Pose(), fov).rays(size)
@@ -77,6 +68,9 @@ def test_a_known_view():
     rays = View(Pose(), Fov.symmetric(math.pi / 2, math.pi / 2)).rays((4, 2))
     assert np.abs(rays[0, :, 0] - [-0.75, -0.25, 0.25, 0.75]).max() <= 4 * UNIT
     assert np.abs(rays[:, 0, 1] - [-0.5, 0.5]).max() <= 4 * UNIT
+    # TUM's first Kinect: 640x480, its principal point given for whole-numbered centres.
+    edges = [-(318.6 + 0.5) / 517.3, (639.5 - 318.6) / 517.3, -(479.5 - 255.3) / 516.5, (255.3 + 0.5) / 516.5]
+    assert Fov.from_intrinsics(517.3, 516.5, 318.6, 255.3, 640, 480).tangents == pytest.approx(edges)
 
 
 @given(FOVS, SIZES)
@@ -129,14 +123,6 @@ def test_a_guard_is_at_least_the_factor_and_less_than_a_pixel_more(fov, size, fa
     assert over.max() < 1 + 1e-9
 
 
-@given(GUARDABLE, SIZES, FACTORS, FACTORS)
-def test_a_larger_factor_never_guards_less(fov, size, a, b):
-    small, large = (fov.guarded(f, size) for f in sorted((a, b)))
-    assert (np.abs(large[0].tangents) - np.abs(small[0].tangents)).min() >= -16 * UNIT
-    assert large[1][0] >= small[1][0]
-    assert large[1][1] >= small[1][1]
-
-
 def test_a_view_beside_its_axis_grows_on_both_sides():
     # Both edges right of the axis: the pad is the edge's distance from the axis on either side.
     grown, size = Fov.from_tangents([0.5, 1.5, -1, 1]).guarded(1.1, (100, 100))
@@ -173,13 +159,7 @@ def test_the_thesis_sizes():
         assert GuardBand(size=size).factors((1280, 800)) == GuardBand(*guard)
 
 
-def test_guard_bands_say_what_they_are():
-    assert [str(GuardBand.of(guard)) for guard in (1, 1.5, (1.25, 1.125))] == [
-        "guard 1",
-        "guard 1.5",
-        "guard 1.25x1.125",
-    ]
-    assert (GuardBand(1.5, 1.5).entry, GuardBand(1.25, 1.125).entry) == (1.5, "1.25x1.125")
+def test_a_guard_band_that_is_no_enlargement_is_refused():
     with pytest.raises(InputError, match=r"guard 1\.5x0\.9 is no enlargement"):
         GuardBand(1.5, 0.9)
 
@@ -208,14 +188,6 @@ def test_a_camera_projects_each_pixel_where_the_view_has_its_ray(fov, size, cent
     # A pixel's coordinate, up to the tangent's share of a very narrow view's focal length.
     assert fx * x / z + cx == pytest.approx(column + centre, abs=1e-6 + 1e-12 * fx)
     assert fy * y / z + cy == pytest.approx(row + centre, abs=1e-6 + 1e-12 * fy)
-
-
-def test_a_known_camera():
-    """TUM's first Kinect: 640x480, its principal point given for whole-numbered centres."""
-    fov = Fov.from_intrinsics(517.3, 516.5, 318.6, 255.3, 640, 480)
-    assert fov.tangents == pytest.approx(
-        [-(318.6 + 0.5) / 517.3, (639.5 - 318.6) / 517.3, -(479.5 - 255.3) / 516.5, (255.3 + 0.5) / 516.5]
-    )
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -20,39 +20,26 @@ SHARES = st.tuples(st.floats(0, 1), st.floats(0, 1))
 
 
 def long_matrix(q: np.ndarray) -> np.ndarray:
-    """Rotation matrix of a unit quaternion in long double (64 bits of mantissa on x86), by the
-    textbook formula."""
+    """Rotation matrix of a quaternion in long double (64 bits of mantissa on x86)."""
     x, y, z, w = np.asarray(q, np.longdouble) / np.sqrt((np.asarray(q, np.longdouble) ** 2).sum())
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    first = (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w))
+    second = (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w))
+    return np.array([first, second, (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y))])
 
 
 def through_the_world(frm: View, frm_size, to: View, to_size, pixel, inverse_depth):
     """(pixel, inverse depth, w) in `to`, without any product of matrices. The point is scaled by
     inverse_depth, so 0 is a direction."""
     left, right, down, up = np.asarray(frm.fov.tangents, np.longdouble)
-    ray = np.array(
-        [
-            left + pixel[0] / np.longdouble(frm_size[0]) * (right - left),
-            down + pixel[1] / np.longdouble(frm_size[1]) * (up - down),
-            -1,
-        ]
-    )
+    across, along = (np.longdouble(at) / size for at, size in zip(pixel, frm_size, strict=True))
+    ray = np.array([left + across * (right - left), down + along * (up - down), -1])
     apart = np.asarray(frm.pose.position_m, np.longdouble) - np.asarray(to.pose.position_m, np.longdouble)
     in_world = long_matrix(frm.pose.orientation_xyzw) @ ray + apart * inverse_depth
     x, y, z = long_matrix(to.pose.orientation_xyzw).T @ in_world
     w = -z
     left, right, down, up = np.asarray(to.fov.tangents, np.longdouble)
-    return (
-        np.array([(x / w - left) / (right - left) * to_size[0], (y / w - down) / (up - down) * to_size[1]]),
-        inverse_depth / w,
-        w,
-    )
+    landed = (x / w - left) / (right - left) * to_size[0], (y / w - down) / (up - down) * to_size[1]
+    return np.array(landed), inverse_depth / w, w
 
 
 def size_of_terms(frm: View, frm_size, to: View, to_size, pixel, inverse_depth) -> np.ndarray:
@@ -63,11 +50,8 @@ def size_of_terms(frm: View, frm_size, to: View, to_size, pixel, inverse_depth) 
     relative = frm.pose.relative_to(to.pose)
     p = np.array([*np.abs(pixel), 1.0])
     tangent = inverse_k @ np.abs(k_frm) @ inverse_k @ p
-    return k_to @ (
-        np.full((3, 3), 1.0) @ tangent
-        + np.abs(relative.position_m) * inverse_depth
-        + np.abs(relative.position_m).max() * inverse_depth
-    )
+    moved = np.abs(relative.position_m) * inverse_depth
+    return k_to @ (np.full((3, 3), 1.0) @ tangent + moved + moved.max())
 
 
 def tolerances(terms: np.ndarray, position, w: float) -> tuple[float, float]:

@@ -7,7 +7,6 @@ import subprocess
 import sys
 from contextlib import closing
 
-import attrs
 import contexts
 import moderngl
 import numpy as np
@@ -101,45 +100,27 @@ def test_a_machine_without_opengl_is_told_what_to_install(monkeypatch, display):
 # --- devices -------------------------------------------------------------------------------------
 
 
-def test_a_device_is_chosen_by_number_or_by_a_part_of_its_name(monkeypatch, gpu):
+def test_a_device_is_chosen_by_its_number(monkeypatch, gpu):
     names = {device.index: egl.renderer_of(device, context.WANTED) for device in egl.devices()}
     assert works(gpu), "asking leaves the context current that was"
     for index, name in names.items():
         monkeypatch.setenv(egl.VARIABLE, str(index))
         with Gpu() as chosen:
             assert chosen.renderer == name and works(chosen)
-    monkeypatch.setenv(egl.VARIABLE, names[0].upper())
-    if list(names.values()).count(names[0]) == 1:
-        with Gpu() as chosen:
-            assert chosen.renderer == names[0]
+    for wanted in ("99", "Voodoo 2"):
+        monkeypatch.setenv(egl.VARIABLE, wanted)
+        with pytest.raises(InputError, match=rf"^HMDWARP_EGL_DEVICE={wanted} names no device here, .* 0: .+: give"):
+            Gpu()
     assert works(gpu)
-
-
-@pytest.mark.parametrize("wanted", ["99", "Voodoo 2"])
-def test_a_device_that_is_not_there_is_refused_with_the_list(monkeypatch, gpu, wanted):
-    monkeypatch.setenv(egl.VARIABLE, wanted)
-    with pytest.raises(InputError, match=rf"^HMDWARP_EGL_DEVICE={wanted} names no device here.* 0: .+: give") as caught:
-        Gpu()
-    assert "\n" not in str(caught.value)
-    assert works(gpu)
-
-
-def test_a_name_that_fits_two_devices_is_refused(monkeypatch):
-    """A device twice stands for two GPUs of one kind."""
-    only = egl.devices()[0]
-    monkeypatch.setattr(egl, "devices", lambda: [only, attrs.evolve(only, index=1)])
-    monkeypatch.setenv(egl.VARIABLE, egl.renderer_of(only, context.WANTED))
-    with pytest.raises(InputError, match=r"names 2 devices here, expected one of 0: .+; 1: "):
-        Gpu()
 
 
 # --- a context that is lost ----------------------------------------------------------------------
 
 
-def lose(monkeypatch, reason: int = 0x8253) -> None:
+def lose(monkeypatch) -> None:
     """From now on the driver's own function says that it has reset the GPU. At the lowest layer,
     because nothing resets llvmpipe."""
-    monkeypatch.setattr(context, "reset_status_of", lambda gl: lambda: reason)
+    monkeypatch.setattr(context, "reset_status_of", lambda gl: lambda: 0x8253)
 
 
 def test_a_context_that_lives_says_so(gpu):
@@ -147,12 +128,9 @@ def test_a_context_that_lives_says_so(gpu):
     assert reset_status_of(gpu.gl)() == 0
 
 
-@pytest.mark.parametrize(
-    ("reason", "words"), [(0x8253, "too long"), (0x8254, "another program"), (0x8255, "why"), (0x92BB, "0x92bb")]
-)
-def test_a_lost_context_is_one_plain_error(monkeypatch, reason, words):
-    lose(monkeypatch, reason)
-    with pytest.raises(MachineError, match=rf"was reset, .* lost \(.*{words}.*start again") as caught, Gpu():
+def test_a_lost_context_is_one_plain_error(monkeypatch):
+    lose(monkeypatch)
+    with pytest.raises(MachineError, match=r"was reset, .* lost \(.*0x8253.*start again") as caught, Gpu():
         raise RuntimeError("what a driver says once its context is gone")
     assert "\n" not in str(caught.value)
     with pytest.raises(MachineError), Gpu():

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from unittest.mock import Mock
 
 import contexts
 import moderngl
@@ -76,37 +78,27 @@ def test_a_draw_names_the_stage_that_is_broken(gpu, shaders, guilty):
         Draw(gpu.gl, "a.vert", "a.frag", {})
 
 
-class LinkingFails:
-    """A context whose driver compiles both stages and then says `message`."""
+LINKER = {  # recorded: what is said, the stage that the error begins with, and its lines as translated
+    "NVIDIA, which finds undefined functions when it links, in both stages": (
+        'GLSL Linker failed\n\nVertex info\n-----------\n0(3) : error C3002: call to undefined function "a"\n'
+        'Fragment info\n-------------\n0(3) : error C3002: call to undefined function "b"\n',
+        "a.vert", ['a.vert:2: error C3002: call to undefined function "a"', "a.frag:2: error C3002: call to undefined"],
+    ),
+    "NVIDIA, without a line": (
+        "Vertex info\n-----------\n(0) : error C5145: must write to gl_Position\n", "a.vert", ["(0) : error C5145"],
+    ),
+    "Mesa, which names no stage": ("GLSL Linker failed\n\nProgram\n=======\nerror: v\n", "a.frag", ["error: v"]),
+}  # fmt: skip
 
-    def __init__(self, message: str) -> None:
-        self._message = message
 
-    def program(self, **_):
-        raise moderngl.Error(self._message)
-
-
-@pytest.mark.parametrize(
-    ("message", "first", "told"),
-    [
-        # NVIDIA finds undefined functions when it links, in both stages (recorded).
-        (
-            'GLSL Linker failed\n\nVertex info\n-----------\n0(3) : error C3002: call to undefined function "a"\n'
-            'Fragment info\n-------------\n0(3) : error C3002: call to undefined function "b"\n',
-            "a.vert",
-            ['a.vert:2: error C3002: call to undefined function "a"', 'a.frag:2: error C3002: call to undefined'],
-        ),
-        ("Vertex info\n-----------\n(0) : error C5145: must write to gl_Position\n", "a.vert", ["(0) : error C5145"]),
-        # Mesa names no stage.
-        ("GLSL Linker failed\n\nProgram\n=======\nerror: v\n", "a.frag", ["error: v"]),
-    ],
-)  # fmt: skip
-def test_linker_messages_are_translated_by_their_stage(shaders, message, first, told):
-    """Recorded messages: the driver that writes them is not here."""
+@pytest.mark.parametrize("driver", LINKER)
+def test_linker_messages_are_translated_by_their_stage(shaders, driver):
+    message, first, told = LINKER[driver]
     for stage in ("vert", "frag"):
         (shaders / f"a.{stage}").write_text("//\n//\nvoid main() {}\n", encoding="utf-8")
+    context = SimpleNamespace(program=Mock(side_effect=moderngl.Error(message)))
     with pytest.raises(ShaderError) as caught:
-        Draw(LinkingFails(message), "a.vert", "a.frag", {})
+        Draw(context, "a.vert", "a.frag", {})
     assert str(caught.value).startswith(f"{first}: ")
     assert all(line in str(caught.value) for line in told)
 
@@ -214,41 +206,19 @@ def test_only_uniforms_that_may_have_changed_are_written(gpu, shaders, monkeypat
     assert written == [16] * 3
 
 
-def test_one_constant_goes_to_programs_of_other_types(gpu, shaders):
-    """What was packed for one program is not what another takes, of another type or no matrix."""
-    values = read_only([1.0, 2.0, 3.0, 4.0]).reshape(2, 2).copy()
-    values.flags.writeable = False
-    for kind, body in (
-        ("mat2 v", "v[1][0], v[0][1]"),
-        ("vec2 v[2]", "v[0].y, v[1].x"),
-        ("ivec2 v[2]", "v[0].y, v[1].x"),
-    ):
-        program = compute(
-            gpu, shaders, f"{HEAD}uniform {kind};\nvoid main() {{ vec2 r = vec2({body}); o[0] = r.x; o[1] = r.y; }}"
-        )
-        program.uniforms.set(v=values)
-        assert results(gpu, program, 2).tolist() == [2.0, 3.0], kind
-
-
-def test_settled_values_come_back_after_others(gpu, shaders):
+def test_shared_values_go_where_they_are_declared_and_settled_ones_come_back_after_others(gpu, shaders):
     """Two users of one program, and one who sets what was settled."""
     program = compute(gpu, shaders, f"{HEAD}uniform float a, b;\nvoid main() {{ o[0] = a; o[1] = b; }}")
     one, other = {"a": 1.0, "b": 2.0, "elsewhere": 3.0}, {"a": 4.0}
     for values, wanted in ((one, [1, 2]), (one, [1, 2]), (other, [4, 2]), (one, [1, 2])):
         program.uniforms.settle(values)
         assert results(gpu, program, 2).tolist() == wanted
-    program.uniforms.set(b=7.0)
+    program.uniforms.set_declared(b=7.0, elsewhere=3.0)
     assert results(gpu, program, 2).tolist() == [1, 7]
     program.uniforms.settle(one)
     assert results(gpu, program, 2).tolist() == [1, 2]
-
-
-def test_a_shared_set_of_values_goes_where_it_is_declared(gpu, shaders):
-    program = compute(gpu, shaders, f"{HEAD}uniform float here;\nvoid main() {{ o[0] = here; }}")
-    program.uniforms.set_declared(here=2.0, elsewhere=3.0)
-    assert results(gpu, program, 1).tolist() == [2.0]
     with pytest.raises(ShaderError, match="cannot take"):
-        program.uniforms.set_declared(here="2")
+        program.uniforms.set_declared(a="2")
 
 
 # --- group counts -------------------------------------------------------------------------------
@@ -305,16 +275,11 @@ def test_the_library_compiles_each_combination_once(gpu, shaders):
     (shaders / "a.vert").write_text("void main() { gl_Position = vec4(0.0); }", encoding="utf-8")
     (shaders / "a.frag").write_text("out vec4 c;\nvoid main() { c = vec4(1.0); }", encoding="utf-8")
     library = ShaderLibrary(gpu.gl)
-    assert len(library) == 0
-    plain = library.compute("a.comp")
-    assert library.compute("a.comp") is plain
-    assert len(library) == 1
-    assert library.compute("a.comp", PASS=0) is not plain
-    assert library.compute("a.comp", PASS=1) is not library.compute("a.comp", PASS=0)
-    assert library.compute("a.comp", A=1, B=2) is library.compute("a.comp", B=2, A=1)
-    assert len(library) == 4
+    plain, ordered = library.compute("a.comp"), library.compute("a.comp", A=1, B=2)
+    assert library.compute("a.comp") is plain and library.compute("a.comp", B=2, A=1) is ordered
+    assert library.compute("a.comp", A=1) is not ordered
     assert library.draw("a.vert", "a.frag") is library.draw("a.vert", "a.frag")
-    assert len(library) == 5
+    assert len(library) == 4
 
 
 # --- includes: each file once, and every line remembers where it came from ------------------------
@@ -343,10 +308,7 @@ def test_nested_includes_come_in_place_and_once(tmp_path):
         ("main.comp", 1), ("lib/a.glsl", 1), ("lib/c.glsl", 1), ("lib/a.glsl", 3), ("lib/b.glsl", 2), ("main.comp", 4),
     ]  # fmt: skip
     assert flat.text == "\n".join(flat.lines) + "\n"
-
-
-def test_defines_come_first_and_the_version_before_them(tmp_path):
-    root = tree(tmp_path, main_comp="#version 460\nint m;\n")
+    tree(tmp_path, main_comp="#version 460\nint m;\n")
     flat = flatten("main.comp", {"PASS": 2, "COLOUR": 1}, root=root)
     assert flat.lines == [VERSION, "#define PASS 2", "#define COLOUR 1", "int m;"]
     assert flat.origins[-1] == ("main.comp", 2), "the file's own #version is dropped, its line numbers are kept"
@@ -363,24 +325,18 @@ def test_a_missing_include_names_the_line_that_wanted_it(tmp_path):
         flatten("other.comp", root=root)
 
 
+MESSAGES = {  # the lines: version, m, a, b, n
+    "0:4(14): error: `foo' undeclared": "a.glsl:2(14): error: `foo' undeclared",  # Mesa
+    '0(5) : error C1503: undefined variable "foo"': 'main.comp:3: error C1503: undefined variable "foo"',  # NVIDIA
+    "ERROR: 0:2: 'foo' : undeclared": "ERROR: main.comp:1: 'foo' : undeclared",  # Apple, Intel, ANGLE
+    "0:3(1): error\n0:5(2): error": "a.glsl:1(1): error\nmain.comp:3(2): error",
+    "0(3) : error C7011: cast from 0(4) to 0:4": "a.glsl:1: error C7011: cast from 0(4) to 0:4",
+    # Beyond the text, without a line, and not in string 0.
+    **{same: same for same in ("0:99(1): error", "error: linking failed", "10:4 and 20(4)", "(0) : error C5145: must")},
+}
+
+
 def test_messages_of_several_compilers_are_translated(tmp_path):
     root = tree(tmp_path, main_comp='int m;\n#include "a.glsl"\nint n;\n', a_glsl="int a;\nint b;\n")
-    flat = flatten("main.comp", root=root)  # lines: version, m, a, b, n
-    for message, wanted in [
-        ("0:4(14): error: `foo' undeclared", "a.glsl:2(14): error: `foo' undeclared"),  # Mesa
-        (
-            '0(5) : error C1503: undefined variable "foo"',
-            'main.comp:3: error C1503: undefined variable "foo"',
-        ),  # NVIDIA
-        (
-            "ERROR: 0:2: 'foo' : undeclared identifier",
-            "ERROR: main.comp:1: 'foo' : undeclared identifier",
-        ),  # Apple, Intel, ANGLE
-        ("0:3(1): error\n0:5(2): error", "a.glsl:1(1): error\nmain.comp:3(2): error"),
-        ("0:99(1): error", "0:99(1): error"),  # beyond the text: left alone
-        ("error: linking failed", "error: linking failed"),
-        ("10:4 and 20(4)", "10:4 and 20(4)"),  # not a position in string 0
-        ("0(3) : error C7011: implicit cast from 0(4) to 0:4", "a.glsl:1: error C7011: implicit cast from 0(4) to 0:4"),
-        ("(0) : error C5145: must write to gl_Position", "(0) : error C5145: must write to gl_Position"),
-    ]:
-        assert flat.translate(message) == wanted
+    flat = flatten("main.comp", root=root)
+    assert {message: flat.translate(message) for message in MESSAGES} == MESSAGES

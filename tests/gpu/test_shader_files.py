@@ -28,11 +28,10 @@ from hmdwarp.geometry import DepthLayer, Fov, Fovea, Hidden, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, Gpu, ShaderLibrary, allocate, flatten
 from hmdwarp.headsets import load_headset
 from hmdwarp.image.picture_arrays import ENCODINGS, SRGB8, raw_picture
-from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
+from hmdwarp.image.picture_textures import INVERSE, METRES, converted
 from hmdwarp.metrics import PairPass
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
-from hmdwarp.run.live_log import DepthSamples
 from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
 from hmdwarp.sources.array_passes import LINEAR, Arrays, GiveCodes, GiveOut, PixelBuffers, Scaling, TakeIn, Upload
 from hmdwarp.sources.server import MIRRORS, Server
@@ -91,7 +90,6 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         _draw_every_content(gpu)
         gpu.shaders.compute("gpu/copy.comp")  # as the timers, which are probed before there is a library
         HoleCounter(gpu).close()
-        DepthSamples(gpu).close()
         _take_textures_over(gpu)
         _take_arrays_over(gpu)
         _give_arrays_out(gpu)
@@ -117,7 +115,7 @@ def _take_textures_over(gpu: Gpu) -> None:
     into = allocate(gpu.gl, (9, 7), COLOUR), allocate(gpu.gl, (9, 7), SCALAR)
     colour = gpu.gl.texture((9, 7), 4)
     for depth_as, encoding in product((INVERSE, METRES, DepthLayer()), ENCODINGS):
-        ForeignTextures(gpu, (9, 7)).converted(colour, into[1], depth_as, encoding, into)
+        converted(gpu, (9, 7), colour, into[1], depth_as, encoding, into)
 
 
 def _take_arrays_over(gpu: Gpu) -> None:
@@ -176,9 +174,9 @@ def _compile_effects(gpu: Gpu, tools: Tools) -> None:
 
 
 def _present(gpu: Gpu) -> None:
-    presenter = Presenter(gpu)
+    presenter, into = Presenter(gpu), gpu.gl.framebuffer([gpu.gl.texture((4, 4), 4)])
     for hardware_srgb in (False, True):
-        presenter.prepare(hardware_srgb=hardware_srgb)
+        presenter.show(None, into, (0, 0, 4, 4), hardware_srgb=hardware_srgb)
     presenter.close()
 
 
@@ -306,40 +304,35 @@ def read_though_writeonly(text: str) -> list[str]:
     ]
 
 
-ARRAY_OF_BOOL = re.compile(r"\bbool\s+\w+\s*\[|\bbool\s*\[")
-
-
 @together("name", FILES)
 def test_there_is_no_array_of_bool(name):
     """Zink over lavapipe makes no pipeline of one (Mesa 22.3), and crashes where it should run."""
-    assert not ARRAY_OF_BOOL.search(re.sub(r"//.*", "", (ROOT / name).read_text(encoding="utf-8")))
+    text = re.sub(r"//.*", "", (ROOT / name).read_text(encoding="utf-8"))
+    assert not re.search(r"\bbool\s+\w+\s*\[|\bbool\s*\[", text)
 
 
 # --- the reader of this test --------------------------------------------------------------------
 
 
-def sides_of(text: str, *variants: dict[str, int]) -> set[str]:
-    """Sides that none of the variants takes, as `line: side`."""
-    sides = Sides()
-    for defines in variants:
-        lines = [f"#define {k} {v}" for k, v in defines.items()] + text.splitlines()
-        walk(lines, [0] * len(defines) + list(range(1, len(lines) - len(defines) + 1)), sides)
-    return {f"{origin}: {side}" for origin, side in sides.known - sides.taken}
+PASSES = "#if PASS == 0\na\n#elif PASS == 1 // comment\nb\n#else\nc\n#endif\n"
+UNTAKEN = [  # a text, the defines of its variants, and the sides that none of them takes
+    (PASSES, [{"PASS": 0}], {"3: #elif PASS == 1", "5: #else"}),
+    (PASSES, [{"PASS": 0}, {"PASS": 1}], {"5: #else"}),
+    (PASSES, [{"PASS": 0}, {"PASS": 1}, {"PASS": 2}], set()),
+    ("#ifdef NEW\nx\n#endif", [{}], {"1: #ifdef NEW"}),
+    ("#ifdef NEW\nx\n#endif", [{"NEW": 1}], {"1: none of its sides"}),
+    ("#ifndef ROWS\n#define ROWS 4\n#endif\n#if ROWS > 4\n#endif", [{}], {"1: none of its sides", "4: #if ROWS > 4"}),
+    ("#ifdef A\n#ifdef B\n#else\n#endif\n#endif", [{}, {"B": 1}], {"1: #ifdef A", "2: #ifdef B", "3: #else"}),
+]
 
 
 def test_the_reader_notices_sides_that_nobody_takes():
-    text = "#if PASS == 0\na\n#elif PASS == 1 // comment\nb\n#else\nc\n#endif\n"
-    assert sides_of(text, {"PASS": 0}) == {"3: #elif PASS == 1", "5: #else"}
-    assert sides_of(text, {"PASS": 0}, {"PASS": 1}) == {"5: #else"}
-    assert not sides_of(text, {"PASS": 0}, {"PASS": 1}, {"PASS": 2})
-    assert sides_of("#ifdef NEW\nx\n#endif", {}) == {"1: #ifdef NEW"}
-    assert sides_of("#ifdef NEW\nx\n#endif", {"NEW": 1}) == {"1: none of its sides"}
-    assert sides_of("#ifndef ROWS\n#define ROWS 4\n#endif\n#if ROWS > 4\n#endif", {}) == {
-        "1: none of its sides",
-        "4: #if ROWS > 4",
-    }
-    nested = "#ifdef A\n#ifdef B\n#else\n#endif\n#endif"
-    assert sides_of(nested, {}, {"B": 1}) == {"1: #ifdef A", "2: #ifdef B", "3: #else"}
+    for text, variants, wanted in UNTAKEN:
+        sides = Sides()
+        for defines in variants:
+            lines = [f"#define {name} {value}" for name, value in defines.items()] + text.splitlines()
+            walk(lines, [0] * len(defines) + list(range(1, len(lines) - len(defines) + 1)), sides)
+        assert {f"{origin}: {side}" for origin, side in sides.known - sides.taken} == wanted
 
 
 # --- just enough of GLSL's preprocessor to tell which side of each #if is taken -------------------

@@ -35,16 +35,8 @@ def test_round_trip(gpu, kind, size):
     assert got.dtype == TYPES[kind[1]]
     assert got.shape == image.shape
     assert np.array_equal(got, image)
-    texture.release()
-
-
-def test_the_top_row_of_a_picture_is_the_last_row_of_a_texture(gpu):
-    texture, image = allocate(gpu.gl, (3, 4), SCALAR), np.arange(12, dtype=np.float32).reshape(4, 3)
-    upload(texture, image)
-    stored = np.frombuffer(texture.read(), np.float32).reshape(4, 3)
-    assert np.array_equal(stored[0], image[3])
-    assert np.array_equal(stored[3], image[0])
-    assert np.array_equal(flip_rows(stored), image)
+    stored = np.frombuffer(texture.read(alignment=1), TYPES[kind[1]]).reshape(size[1], size[0], -1)
+    assert np.array_equal(flip_rows(stored).reshape(image.shape), image)
     texture.release()
 
 

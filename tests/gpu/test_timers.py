@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 
 import pytest
 
-from hmdwarp.gpu import StageTimer, has_real_gpu_timer, timers
+from hmdwarp.gpu import StageTimer, check_clocks, timers
 
 
 class FakeQuery:
@@ -24,49 +25,28 @@ class FakeQuery:
 
 
 class FakeThing:
-    def clear(self, *_): ...
+    """A buffer, or a program."""
+
     def release(self): ...
     def bind_to_storage_buffer(self, _): ...
+    def run(self, *_): ...
     def get(self, _, missing):
         return missing
 
 
-class FakeCompute(FakeThing):
-    """A dispatch that the context's queries may leave out."""
-
-    def __init__(self, gl: FakeGl) -> None:
-        self._gl = gl
-
-    def run(self, *_):
-        if self._gl.of_dispatches is not None:
-            self._gl.queries[-1].elapsed = self._gl.of_dispatches
-
-
 class FakeGl:
-    """A context whose queries answer `elapsed` ns, for dispatches `of_dispatches` if that is set.
-    finish() takes a millisecond, and as long as the work that waits, of its own clock."""
+    """A context whose queries answer `elapsed` ns. finish() takes a millisecond, and as long as the
+    work that waits, of its own clock."""
 
     def __init__(self, elapsed: int, renderer: str = "Some GPU") -> None:
         self.elapsed, self.info = elapsed, {"GL_RENDERER": renderer, "GL_MAX_COMPUTE_WORK_GROUP_COUNT": (65535,) * 3}
-        self.of_dispatches: int | None = None
         self.queries: list[FakeQuery] = []
         self.now_ns = self.waiting_ns = 0
+        self.buffer = self.compute_shader = lambda *_, **__: FakeThing()
 
     def query(self, time):
         self.queries.append(FakeQuery(self.elapsed))
         return self.queries[-1]
-
-    def texture(self, *_, **__):
-        return FakeThing()
-
-    def framebuffer(self, *_):
-        return FakeThing()
-
-    def buffer(self, **_):
-        return FakeThing()
-
-    def compute_shader(self, _):
-        return FakeCompute(self)
 
     def finish(self):
         self.now_ns += 1_000_000 + self.waiting_ns
@@ -83,32 +63,20 @@ def fake(monkeypatch):
     return make
 
 
-REAL = {0: False, 900: False, 1_001: True, 1_500_000: True, 1_600_000: False, 2**63: False}
+CPUS = ("zink (llvmpipe (LLVM 15.0.6, 256 bits))", "llvmpipe (LLVM 19.1, 256 bits)")
+REAL = {("Some GPU",): {0: False, 900: False, 1_001: True, 1_500_000: True, 1_600_000: False, 2**63: False}}
+REAL |= {CPUS: {1: False, 90_000: False, 110_000: True, 900_000: True, 1_600_000: False}}
 
 
-@pytest.mark.parametrize(("elapsed", "real"), REAL.items())
-def test_a_timer_is_real_if_it_agrees_with_the_wall(fake, elapsed, real):
-    gl = fake(elapsed)
-    assert has_real_gpu_timer(gl) is real
-    assert StageTimer(gl).clock == ("gpu" if real else "wall")
-
-
-@pytest.mark.parametrize(
-    ("of_dispatches", "real"), [(1, False), (90_000, False), (110_000, True), (900_000, True), (1_600_000, False)]
-)
-def test_a_cpu_that_copies_is_believed_if_it_counts_most_of_the_time(fake, of_dispatches, real):
+@pytest.mark.parametrize("renderers", REAL)
+def test_a_timer_is_real_if_it_agrees_with_the_wall(fake, renderers):
     """By the answers, not by the renderer's name: Zink over llvmpipe has timers."""
-    for renderer in ("zink (llvmpipe (LLVM 15.0.6, 256 bits))", "llvmpipe (LLVM 19.1, 256 bits)"):
-        gl = fake(20_000, renderer)
-        gl.of_dispatches = of_dispatches
-        assert has_real_gpu_timer(gl) is real
-
-
-@pytest.mark.parametrize("renderer", ["llvmpipe (LLVM 19.1, 256 bits)", "Some GPU"])
-def test_a_timer_that_leaves_out_compute_shaders_is_not_real(fake, renderer):
-    gl = fake(800_000, renderer)
-    gl.of_dispatches = 900
-    assert not has_real_gpu_timer(gl)
+    for renderer, (elapsed, real) in itertools.product(renderers, REAL[renderers].items()):
+        gl = fake(elapsed, renderer)
+        found = check_clocks(gl)
+        assert (found.clock, found.wall_ms) == ("gpu" if real else "wall", 1.0)
+        assert found.gpu_ms == (elapsed * 1e-6 if real else None)
+        assert (f"{(1e6 - elapsed) / elapsed:+.1%}" if real else "GPU timers are unusable") in found.note
 
 
 def test_the_clock_of_this_driver_is_the_one_that_measures(gpu):
@@ -170,22 +138,3 @@ def test_a_stage_that_fails_leaves_the_timer_and_its_query_usable(fake):
             pass
         assert [name for name, _ in timer.collect()] == ["good"]
         assert len(gl.queries) - probe == (elapsed > 1) and not gl.queries[-1].running
-
-
-def test_both_clocks_time_one_copy(gpu, monkeypatch):
-    monkeypatch.setattr(timers, "_CHECK_BYTES", 1 << 20)
-    found = timers.check_clocks(gpu.gl, gpu.timer.clock, rounds=2)
-    assert found.clock == gpu.timer.clock and found.wall_ms > 0
-    if found.clock == "wall":
-        assert found.gpu_ms is None and "GPU timers are unusable" in found.note
-    else:
-        assert 0 < found.gpu_ms <= found.wall_ms * 1.5
-
-
-def test_real_timers_are_compared_with_the_wall(gpu, monkeypatch):
-    times = iter([(3.0, 2.5), (2.2, 2.0), (2.4, 1.9)])
-    monkeypatch.setattr(timers, "both_clocks", lambda gl, run: next(times))
-    monkeypatch.setattr(timers, "_CHECK_BYTES", 1 << 20)
-    found = timers.check_clocks(gpu.gl, "gpu", rounds=3)
-    assert (found.clock, found.wall_ms, found.gpu_ms) == ("gpu", 2.2, 1.9)
-    assert "+15.8%" in found.note

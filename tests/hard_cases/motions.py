@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from hmdwarp.geometry import Fov, Pose, View
 
-from .registry import hard_case
+from .registry import TWIN, hard_case, twin_case
 from .setting import HALF, SIZE, SQUARE, Setting, brings_more_pictures, is_warped_by_the_frame_alone, reads_depth
 
 SLANTED = 0.4 + np.add.outer(
@@ -31,17 +32,17 @@ def stepped_depth() -> np.ndarray:
     return depth
 
 
-@hard_case(is_warped_by_the_frame_alone)
+@hard_case("every colour bit for bit, coverage 1", is_warped_by_the_frame_alone)
 def identity(gpu, name):
-    """What: the head has not moved
-    Why: a map that is off by one part in ten million samples beside the pixel centre
-    Wants: every colour bit for bit, coverage 1
-    """
+    """A map that is off by one part in ten million samples beside the pixel centre."""
     setting = Setting(gpu, stepped_depth(), Pose())
     for picture in setting.pictures(name):
         tolerance = 0 if picture.maker == "shader" else 1e-9
         assert picture.covered[picture.decided].all()
         assert (np.abs(picture.colour - setting.colour)[picture.decided] <= tolerance).all()
+
+
+UNMOVED = "no hole, no speckle: the rendered picture, to the rounding of a half float"
 
 
 def _as_good_as_still(gpu, name, pose: Pose) -> None:
@@ -54,33 +55,24 @@ def _as_good_as_still(gpu, name, pose: Pose) -> None:
         assert error <= 4 * HALF + 4 * (setting.sampler_pixels + 1e-6), "speckle"
 
 
-@hard_case(is_warped_by_the_frame_alone)
+@hard_case(UNMOVED, is_warped_by_the_frame_alone)
 def motion_of_a_nanometre(gpu, name):
-    """What: the head moves by 1e-9 m in each direction
-    Why: what is not exactly still takes the general path, where rounding may open cracks or flip
-      pixels at edges
-    Wants: no hole, no speckle: the rendered picture, to the rounding of a half float
-    """
+    """What is not exactly still takes the general path, where rounding may open cracks or flip
+    pixels at edges."""
     _as_good_as_still(gpu, name, Pose((1e-9, -1e-9, 1e-9)))
 
 
-@hard_case(is_warped_by_the_frame_alone)
+@hard_case(UNMOVED, is_warped_by_the_frame_alone)
 def turn_of_a_nanoradian(gpu, name):
-    """What: the head turns by 1e-9 rad about each axis
-    Why: sin and cos of it are 0 and 1 in float32; made from quaternions the angle may vanish or
-      double
-    Wants: no hole, no speckle: the rendered picture, to the rounding of a half float
-    """
+    """Sin and cos of it are 0 and 1 in float32; made from quaternions the angle may vanish or
+    double."""
     _as_good_as_still(gpu, name, turned((1, 1, 1), math.degrees(1e-9)))
 
 
-@hard_case(reads_depth)
+@hard_case("nothing of the rows behind the eye anywhere; what is before it where it belongs", reads_depth)
 def points_at_and_behind_the_eye(gpu, name):
-    """What: the eye walks 1 m ahead, through a surface; rows of it end up before, just before, at,
-      just behind and behind the eye plane
-    Why: w goes through 0: dividing by it mirrors and smears what is behind across the whole picture
-    Wants: nothing of the rows behind the eye anywhere; what is before it where it belongs
-    """
+    """W goes through 0: dividing by it mirrors and smears what is behind across the whole
+    picture."""
     near = np.full(SIZE[::-1], 0.5)
     near[10:17] = np.array([0.9, 1 - 2**-20, 1.0, 1 + 2**-20, 1.1, 2.0, 100.0])[:, None]  # 1/m, the eye ends at 1 m
     colour = np.full((*SIZE[::-1], 3), 0.25)
@@ -94,40 +86,25 @@ def points_at_and_behind_the_eye(gpu, name):
             assert (picture.colour[picture.decided][:, 0] <= 0.25 * (1 + 2 * HALF)).all()
 
 
-def _half_turn(gpu, name, degrees: float, axis) -> None:
-    setting = Setting(gpu, stepped_depth(), turned(axis, degrees))
-    for picture in setting.pictures(name):
-        if degrees == 180 and is_warped_by_the_frame_alone(name) and name != "none":
-            assert not picture.covered[picture.decided].any(), (
-                "what is behind is at the front; where that is meant, name the warp here"
-            )
+# The border of the rendered picture meets that of the shown one; w is 0 along a line.
+twin_case(
+    "turn_by_90_degrees",
+    lambda gpu: Setting(gpu, stepped_depth(), turned((0, 1, 0), 90)),
+    wants=f"{TWIN}, no NaN along the line",
+)
 
 
-@hard_case()
-def turn_by_90_degrees(gpu, name):
-    """What: the head turns by 90 degrees to the side in a view 90 degrees wide
-    Why: the border of the rendered picture meets the border of the shown one; w is 0 along a line
-    Wants: what the float64 twin says, no NaN along the line
-    """
-    _half_turn(gpu, name, 90, (0, 1, 0))
-
-
-@hard_case()
+@hard_case("nothing covered (`none` shows the rendered picture, `environment` what is behind)")
 def turn_by_180_degrees(gpu, name):
-    """What: the head looks straight back
-    Why: all of the rendered picture is behind the eye, where a homography still has an answer,
-      upside down
-    Wants: nothing covered (`none` shows the rendered picture, `environment` what is behind)
-    """
-    _half_turn(gpu, name, 180, (0.3, 1, 0.1))
+    """All that was rendered is behind the eye; a homography still has an answer, upside down."""
+    for picture in Setting(gpu, stepped_depth(), turned((0.3, 1, 0.1), 180)).pictures(name):
+        if is_warped_by_the_frame_alone(name) and name != "none":
+            assert not picture.covered[picture.decided].any(), "where that is meant, name the warp here"
 
 
-@hard_case(is_warped_by_the_frame_alone)
+@hard_case("the rendered picture bit for bit: infinity does not move", is_warped_by_the_frame_alone)
 def sky_under_translation(gpu, name):
-    """What: everything infinitely far (inverse depth 0), the head moves by 0.4 m
-    Why: as metres that is inf, and inf times 0 is NaN
-    Wants: the rendered picture bit for bit: infinity does not move
-    """
+    """As metres that is inf, and inf times 0 is NaN."""
     setting = Setting(gpu, np.zeros(SIZE[::-1]), Pose((0.3, -0.2, 0.25)))
     for picture in setting.pictures(name):
         assert picture.covered[picture.decided].all()
@@ -137,24 +114,19 @@ def sky_under_translation(gpu, name):
         assert error <= HALF + 4 * setting.sampler_pixels
 
 
-@hard_case()
-def a_thousandth_and_a_million_metres(gpu, name):
-    """What: depths of 1e-3 m and 1e6 m side by side, the head moves by 0.1 mm
-    Why: nine orders of magnitude in one float32 map; a depth buffer with planes keeps one end only
-    Wants: what the float64 twin says at both ends
-    """
-    depth = np.full(SIZE[::-1], 1e-6)
-    depth[:, ::3] = 1e3
-    list(Setting(gpu, depth, Pose((1e-4, 0, -5e-5))).pictures(name))
+# Nine orders of magnitude in one float32 map; a depth buffer with planes keeps one end only.
+ENDS = np.where(np.arange(SIZE[0]) % 3, 1e-6, 1e3) * np.ones((SIZE[1], 1))  # 1/m
+twin_case(
+    "a_thousandth_and_a_million_metres",
+    lambda gpu: Setting(gpu, ENDS, Pose((1e-4, 0, -5e-5))),
+    wants=f"{TWIN} at both ends",
+)
 
 
-@hard_case()
+@hard_case("the picture made beside the origin, bit for bit")
 def a_million_metres_from_the_origin(gpu, name):
-    """What: both eyes 2^20 m from the world's origin, 2^-10 m apart
-    Why: float32 world coordinates are 6 cm coarse there, and even a float64 matrix through the
-      origin loses ten digits
-    Wants: the picture made beside the origin, bit for bit
-    """
+    """Float32 world coordinates are 6 cm coarse there, and even a float64 matrix through the origin
+    loses ten digits."""
     step, far = np.array([2.0**-10, 0, -(2.0**-9)]), np.array([2.0**20, -(2.0**20), 2.0**20])
     here = Setting(gpu, stepped_depth(), Pose(step))
     there = Setting(gpu, stepped_depth(), Pose(far + step), rendered=Pose(far))
@@ -163,22 +135,15 @@ def a_million_metres_from_the_origin(gpu, name):
         assert (np.abs(near.colour - distant.colour)[both] <= (0 if near.maker == "shader" else 1e-9)).all()
 
 
-@hard_case()
+@hard_case("what the float64 twin says; the neighbourhood of the epipole stays covered")
 def epipole_inside_the_picture(gpu, name):
-    """What: the eye moves so that the point it moves towards lies inside the picture, between pixel
-      centres
-    Why: around it the epipolar directions turn through all angles and parallax vanishes
-    Wants: what the float64 twin says; the neighbourhood of the epipole stays covered
-    """
+    """Around it the epipolar directions turn through all angles and parallax vanishes."""
     _towards_the_epipole(gpu, name, Pose((0.013, 0.021, -0.2)))
 
 
-@hard_case()
+@hard_case("what the float64 twin says; the pixel itself is covered and keeps its colour")
 def epipole_at_a_pixel_centre(gpu, name):
-    """What: the eye moves exactly along the ray of the middle pixel
-    Why: the epipolar direction of that pixel is 0 / 0
-    Wants: what the float64 twin says; the pixel itself is covered and keeps its colour
-    """
+    """The epipolar direction of that pixel is 0 / 0."""
     _towards_the_epipole(gpu, name, Pose((0, 0, -0.2)))
 
 
@@ -190,12 +155,9 @@ def _towards_the_epipole(gpu, name, pose: Pose) -> None:
             assert picture.covered[middle]
 
 
-@hard_case()
+@hard_case("what the float64 twin says; gather, mesh and splat warps leave no crack")
 def forward_motion(gpu, name):
-    """What: the eye moves 0.3 m straight ahead towards a slanted plane 1 to 2.5 m away
-    Why: every pixel grows: scattered points come apart
-    Wants: what the float64 twin says; gather, mesh and splat warps leave no crack
-    """
+    """Every pixel grows: scattered points come apart."""
     setting = Setting(gpu, SLANTED, Pose((0, 0, -0.3)))
     for picture in setting.pictures(name):
         if not name.startswith("forward") and name not in ("layered", "multi"):
@@ -203,23 +165,17 @@ def forward_motion(gpu, name):
             assert (picture.covered | ~picture.decided)[inner].all(), "a crack"
 
 
-@hard_case()
+@hard_case("what the float64 twin says; the middle is covered")
 def backward_motion(gpu, name):
-    """What: the eye moves 0.3 m straight back
-    Why: several drawn pixels share a shown one, and the border of what was drawn moves in
-    Wants: what the float64 twin says; the middle is covered
-    """
+    """Several drawn pixels share a shown one, and the border of what was drawn moves in."""
     setting = Setting(gpu, SLANTED, Pose((0, 0, 0.3)))
     for picture in setting.pictures(name):
         assert (picture.covered | ~picture.decided)[SIZE[1] // 2, SIZE[0] // 2]
 
 
-@hard_case()
+@hard_case("what the float64 twin says; depth makes no difference to a gather")
 def zero_baseline(gpu, name):
-    """What: the eye turns by 7 degrees and does not move at all
-    Why: e is 0: the epipole is undefined, and an epipolar search has no direction to go
-    Wants: what the float64 twin says; depth makes no difference to a gather
-    """
+    """E is 0: the epipole is undefined, and an epipolar search has no direction to go."""
     pose = turned((0.2, 1, -0.4), 7)
     for near, far in zip(
         Setting(gpu, SLANTED, pose).pictures(name), Setting(gpu, SLANTED / 8, pose).pictures(name), strict=True
@@ -228,76 +184,45 @@ def zero_baseline(gpu, name):
             assert np.abs(near.colour - far.colour)[near.decided & far.decided].max(initial=0) <= HALF + 4e-5
 
 
-def _through_fov(gpu, name, fov: Fov, pose: Pose, depth: np.ndarray = SLANTED) -> None:
-    list(Setting(gpu, depth, View(pose, fov), rendered=View(Pose(), fov)).pictures(name))
+def through(fov: Fov, *head) -> Callable[..., Setting]:
+    """A slanted plane through a field of view, seen by a head that is `turned`."""
+    return lambda gpu: Setting(gpu, SLANTED, View(turned(*head), fov), rendered=View(Pose(), fov))
 
 
-@hard_case()
-def field_of_view_of_1_degree(gpu, name):
-    """What: a view 1 degree wide, the head turns by 0.2 degrees and moves by 2 mm
-    Why: tangents of 0.009 are differences of nearly equal numbers; one pixel is half a milliradian
-    Wants: what the float64 twin says
-    """
-    _through_fov(gpu, name, Fov.symmetric(math.radians(1), math.radians(1)), turned((0, 1, 0), 0.2, (0.002, 0, 0)))
+def wide(degrees: float) -> Fov:
+    return Fov.symmetric(math.radians(degrees), math.radians(degrees))
 
 
-@hard_case()
-def field_of_view_of_120_degrees(gpu, name):
-    """What: a view 120 degrees wide, the head turns by 9 degrees and moves by 7 cm
-    Why: pixels at the edge see four times less of an angle than those in the middle
-    Wants: what the float64 twin says
-    """
-    _through_fov(gpu, name, Fov.symmetric(math.radians(120), math.radians(120)), turned((1, 1, 0), 9, (0.05, 0, 0.05)))
+# Tangents of 0.009 are differences of nearly equal numbers; one pixel is half a milliradian.
+twin_case("field_of_view_of_1_degree", through(wide(1), (0, 1, 0), 0.2, (0.002, 0, 0)))
+# Pixels at the edge see four times less of an angle than those in the middle.
+twin_case("field_of_view_of_120_degrees", through(wide(120), (1, 1, 0), 9, (0.05, 0, 0.05)))
+# Tangents of 11.4: much of the rendered picture ends up beside and behind the shown eye, w passes 0
+# inside the picture.
+twin_case(
+    "field_of_view_of_170_degrees",
+    through(wide(170), (0, 1, 0.2), 20, (0.02, 0.01, 0)),
+    wants=f"{TWIN}, nothing mirrored",
+)
+# The axis lies in a corner: formulas fail that assume it in the middle, or one scale on both axes.
+corner = Fov(*np.deg2rad([-5, 80, -70, 10]))
+twin_case("strongly_asymmetric_field_of_view", through(corner, (1, -1, 0.5), 5, (0.04, -0.02, 0.03)))
+# The axis lies outside the picture, as in tiled displays; the principal point is at negative pixels
+tile = Fov(*np.deg2rad([10, 55, 5, 40]))
+twin_case("view_that_does_not_hold_its_axis", through(tile, (1, 0.5, 0), 4, (0.03, 0.02, -0.03)))
 
 
-@hard_case()
-def field_of_view_of_170_degrees(gpu, name):
-    """What: a view 170 degrees wide, the head turns by 20 degrees
-    Why: tangents of 11.4: much of the rendered picture ends up beside and behind the shown eye, w
-      passes 0 inside the picture
-    Wants: what the float64 twin says, nothing mirrored
-    """
-    _through_fov(
-        gpu, name, Fov.symmetric(math.radians(170), math.radians(170)), turned((0, 1, 0.2), 20, (0.02, 0.01, 0))
-    )
-
-
-@hard_case()
-def strongly_asymmetric_field_of_view(gpu, name):
-    """What: left -5, right 80, down -70, up 10 degrees: the view axis lies in a corner
-    Why: formulas that assume the axis in the middle, or the same scale on both axes, fail here
-    Wants: what the float64 twin says
-    """
-    _through_fov(gpu, name, Fov(*np.deg2rad([-5, 80, -70, 10])), turned((1, -1, 0.5), 5, (0.04, -0.02, 0.03)))
-
-
-@hard_case()
-def view_that_does_not_hold_its_axis(gpu, name):
-    """What: left 10, right 55, down 5, up 40 degrees: the axis lies outside the picture, as in
-      tiled displays
-    Why: the principal point is at negative pixels
-    Wants: what the float64 twin says
-    """
-    _through_fov(gpu, name, Fov(*np.deg2rad([10, 55, 5, 40])), turned((1, 0.5, 0), 4, (0.03, 0.02, -0.03)))
-
-
-@hard_case()
+@hard_case("the same picture bit for bit")
 def q_and_minus_q(gpu, name):
-    """What: the same head orientation given as q and as -q
-    Why: both are the same rotation; what interpolates or compares components sees two
-    Wants: the same picture bit for bit
-    """
+    """Both are the same rotation; what interpolates or compares components sees two."""
     q = np.array(turned((0.3, 1, 0.1), 6).orientation_xyzw)
     pictures = [Setting(gpu, SLANTED, Pose((0.02, 0, 0.01), sign * q)).warp(gpu, name) for sign in (1, -1)]
     assert np.array_equal(*pictures)
 
 
-@hard_case()
+@hard_case("the picture of the unit quaternion, to the last bits of the map")
 def unnormalised_quaternion(gpu, name):
-    """What: an orientation of length 1e-3 and of length 1e3
-    Why: trackers and files deliver them; as a matrix they scale the picture
-    Wants: the picture of the unit quaternion, to the last bits of the map
-    """
+    """Trackers and files deliver them; as a matrix they scale the picture."""
     q = np.array(turned((0.3, 1, 0.1), 6).orientation_xyzw)
     unit, *scaled = (
         list(Setting(gpu, SLANTED, Pose((0.02, 0, 0.01), scale * q)).pictures(name)) for scale in (1, 1e-3, 1e3)

@@ -21,12 +21,9 @@ def about_y(angle: float) -> np.ndarray:
     return np.array([0, math.sin(angle / 2), 0, math.cos(angle / 2)])
 
 
-@hard_case(None)
+@hard_case("refused in one line that shows it", None)
 def zero_quaternion():
-    """What: the quaternion 0, 0, 0, 0, and one with a NaN
-    Why: normalising divides by its length
-    Wants: refused in one line that shows it
-    """
+    """Normalising divides by its length."""
     for bad in ((0, 0, 0, 0), (0, 0, 0, math.nan), (0, 0, 0, math.inf)):
         with pytest.raises(InputError, match="quaternion|finite"):
             Pose((0, 0, 0), bad)
@@ -34,12 +31,9 @@ def zero_quaternion():
         PoseTrack(np.array([0, 10]), np.zeros((2, 3)), np.zeros((2, 4)))
 
 
-@hard_case(None)
+@hard_case("every pose between within 1e-9 rad of both", None)
 def nearly_antipodal_quaternions():
-    """What: SLERP between q and -q turned by 1e-9 rad
-    Why: their dot product is -1: without the sign rule the head spins once round on the way
-    Wants: every pose between within 1e-9 rad of both
-    """
+    """Their dot product is -1: without the sign rule the head spins once round on the way."""
     a, b = about_y(0.5), -about_y(0.5 + 1e-9)
     track = PoseTrack(np.array([0, 10_000_000]), np.zeros((2, 3)), np.stack([a, b]))
     for t in range(0, 10_000_001, 1_000_000):
@@ -47,24 +41,18 @@ def nearly_antipodal_quaternions():
     assert Pose((0, 0, 0), a).towards(Pose((0, 0, 0), b), 0.5).isclose(Pose((0, 0, 0), a), 1e-9)
 
 
-@hard_case(None)
+@hard_case("shares of the angle right to 1e-15 rad, unit length", None)
 def slerp_over_a_hundred_millionth():
-    """What: SLERP between orientations 1e-8 rad apart
-    Why: sin of the angle is divided by itself; acos of a dot product that rounds to 1 is 0
-    Wants: shares of the angle right to 1e-15 rad, unit length
-    """
+    """Sin of the angle is divided by itself; acos of a dot product that rounds to 1 is 0."""
     for share in (0.0, 0.25, 0.5, 1.0):
         got = np.array(slerp(about_y(1.0), about_y(1.0 + 1e-8), share))
         assert abs(float(angle_between(got, about_y(1.0))) - share * 1e-8) <= 1e-15
         assert abs(np.linalg.norm(got) - 1) <= 4e-16
 
 
-@hard_case(None)
+@hard_case("finite, unit, on one of the two arcs, each share of it", None)
 def slerp_over_a_half_turn():
-    """What: SLERP between orientations exactly 180 degrees apart, and one ulp to either side
-    Why: two arcs are equally short; sin of pi is not 0 in floating point
-    Wants: finite, unit, on one of the two arcs, each share of it
-    """
+    """Two arcs are equally short; sin of pi is not 0 in floating point."""
     for angle in (math.pi, np.nextafter(math.pi, 0), np.nextafter(math.pi, 4)):
         for share in (0.25, 0.5, 0.75):
             got = np.array(slerp(about_y(0), about_y(angle), share))
@@ -75,13 +63,9 @@ def slerp_over_a_half_turn():
             ).all()
 
 
-@hard_case(None)
+@hard_case("0 refused; 1 ns exact; the hour held, not invented; predictions finite", None)
 def time_steps_of_nothing_a_nanosecond_and_an_hour():
-    """What: samples 0 ns, 1 ns and 3600 s apart, queried between, at and beyond them; velocities
-      predicted from them
-    Why: 0 divides by zero, 1 ns makes 1e9 m/s of a tremor, an hour is no motion to interpolate
-    Wants: 0 refused; 1 ns exact; the hour held, not invented; predictions finite
-    """
+    """0 divides by zero, 1 ns makes 1e9 m/s of a tremor, an hour is no motion to interpolate."""
     with pytest.raises(TraceError):
         PoseTrack(np.array([5, 5]), np.zeros((2, 3)), np.stack([about_y(0)] * 2))
     hour = 3_600_000_000_000
@@ -102,13 +86,9 @@ def lens(*coefficients: float, reach: float = 1.0) -> RadialLens:
     return RadialLens((0.0, 0.0), 0.1, 1.0, dict.fromkeys(("red", "green", "blue"), coefficients), reach)
 
 
-@hard_case(None)
+@hard_case("refused with the radius where it folds; the last one accepted", None)
 def lens_that_folds_back():
-    """What: lens polynomials that stop growing inside the panel: at 0.5, at the very rim, at 1e-3,
-      and one that only seems to
-    Why: beyond the fold two panel pixels show the same direction, and no inverse exists
-    Wants: refused with the radius where it folds; the last one accepted
-    """
+    """Beyond the fold two panel pixels show the same direction, and no inverse exists."""
     for fold in (0.5, 0.999, 1e-3):
         with pytest.raises(HmdwarpError, match=rf"folds back at r = {fold:.4g}"):
             lens(1.0, -1 / (3 * fold**2))

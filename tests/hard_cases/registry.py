@@ -1,17 +1,16 @@
-"""The hard cases. Each one function, whose docstring says what it is, why it is hard and what must
-come out."""
+"""The hard cases: each a function or a world, with why it is hard and what must come out."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 
 import attrs
 from worlds import every_choice
 
+from .setting import Setting
+
 # The 64-bit path of forward wants what few drivers have.
 CHOICES = [spec for spec in every_choice() if spec != "forward:path=atomic64"]
-PARTS = ("What", "Why", "Wants")
 TWIN = "what the float64 twin says"
 
 
@@ -26,26 +25,28 @@ class HardCase:
 CASES: list[HardCase] = []
 
 
-def hard_case(applies: Callable[[str], bool] | None = lambda name: True):
+def hard_case(wants: str, applies: Callable[[str], bool] | None = lambda name: True):
     """File the decorated function(gpu, name) as a case for every warp, with each word of its
-    settings, that `applies`; None: function() needs no warp.
-
-    Errors: ValueError for a docstring without its three parts, and for a name that is taken.
+    settings, that `applies`; None: function() needs no warp. Its docstring says why it is hard.
     """
 
     def register(run: Callable[..., None]) -> Callable[..., None]:
-        found = re.findall(r"^\s*(\w+): (.+?)(?=^\s*\w+: |\Z)", run.__doc__ or "", re.MULTILINE | re.DOTALL)
-        parts = {part: " ".join(text.split()) for part, text in found}
-        if list(parts) != list(PARTS) or run.__name__ in {case.name for case in CASES}:
-            raise ValueError(
-                f"hard case '{run.__name__}' must be the only one of that name and say {', '.join(PARTS)} in its "
-                "docstring"
-            )
+        assert run.__doc__ and run.__name__ not in {case.name for case in CASES}, run.__name__
         names = () if applies is None else tuple(spec for spec in CHOICES if applies(spec))
-        CASES.append(HardCase(run.__name__, parts["Wants"], run, names))
+        CASES.append(HardCase(run.__name__, wants, run, names))
         return run
 
     return register
+
+
+def twin_case(name: str, *worlds: Callable[..., Setting], wants: str = TWIN) -> None:
+    """File a case for every warp: of each world(gpu) what the twin says. A comment says why."""
+
+    def run(gpu, warp: str) -> None:
+        for world in worlds:
+            list(world(gpu).pictures(warp))
+
+    CASES.append(HardCase(name, wants, run, tuple(CHOICES)))
 
 
 def markdown() -> str:

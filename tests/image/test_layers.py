@@ -6,13 +6,9 @@ import numpy as np
 import pytest
 
 from hmdwarp import Fov, InputError, Pose, View, Warper, warp_image
-from hmdwarp.client import Compensator, PassInputs
 from hmdwarp.errors import PlanError
-from hmdwarp.frames.layers.pictures import Reflection
-from hmdwarp.geometry import Mirror, RigidState
-from hmdwarp.gpu import COLOUR, SCALAR, allocate, download
-from hmdwarp.scenes import load_scene
-from hmdwarp.sources.server import Server
+from hmdwarp.geometry import RigidState
+from hmdwarp.gpu import COLOUR, SCALAR, allocate
 
 SIZE = WIDE, HIGH = 40, 30
 FAR_M, NEAR_M = 8.0, 2.0
@@ -20,19 +16,7 @@ FAR_M, NEAR_M = 8.0, 2.0
 HERE = View(Pose(), Fov.from_tangents((-1.0, 1.0, -0.75, 0.75)))
 PATCH = slice(10, 20)
 RED, BLUE = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
-MIRRORS = "planar_reflections,curved_reflections"
-MIRRORED = (
-    np.zeros((HIGH, WIDE, 3)),
-    np.full((HIGH, WIDE), FAR_M),
-    np.zeros((HIGH, WIDE, 3)),
-    (Mirror((0, 0, -FAR_M), (1, 0, 0), (0, 1, 0)),),
-)
 BODY = RigidState(Pose())
-
-
-def glass(light: float = 0.0, depth_m: float = 1.0, passing: float = 0.5) -> tuple[np.ndarray, ...]:
-    """Layer 'transparent' of one pane over the whole picture."""
-    return np.full((HIGH, WIDE, 3), light), np.full((HIGH, WIDE), depth_m), np.full((HIGH, WIDE, 3), passing)
 
 
 @pytest.fixture
@@ -83,77 +67,6 @@ def test_an_overlay_lies_over_the_result_and_is_never_warped(picture, gpu, as_by
     assert np.allclose(out[20:25, 5:35], 0.5 * bare[20:25, 5:35] + (0, 0.5, 0), atol=0.005)
 
 
-def test_surfaces_behind_the_picture_close_its_holes(picture, gpu):
-    shown = View(Pose((0.4, 0, 0)), HERE.fov)
-    holes = warp_image(*picture, HERE, shown, "iterative", "none", gpu=gpu)
-    wall = np.full((HIGH, WIDE, 3), BLUE)
-    nothing = np.zeros((HIGH, WIDE))
-    with Warper(SIZE, warp="layered", fill="none", gpu=gpu) as warper:
-        amount = warper.plan.needs["peeled"]
-        behind = [(wall, np.full((HIGH, WIDE), FAR_M)), *[(wall, nothing)] * (amount - 1)]
-        out = warper.warp(*picture, HERE, shown, layers={"peeled": behind})
-    beside = slice(8, 20)  # where the strip hid the wall
-    assert (holes.coverage[HIGH // 2, beside] == 0).any()
-    assert (out.coverage[HIGH // 2, beside] == 1).all()
-
-
-@pytest.mark.parametrize("way_m", [(0.3, 0.0), (-0.17, 0.05), (0.0, -0.23), (0.111, 0.2)])
-def test_a_hidden_layer_does_not_show_where_a_wall_leaves_the_picture(gpu, way_m):
-    """The wall goes on beyond the border, so nothing of the layer behind it is ever seen."""
-    wall, behind = np.full((HIGH, WIDE, 3), RED), np.full((HIGH, WIDE, 3), BLUE)
-    x, y = np.meshgrid(np.arange(WIDE), np.arange(HIGH))
-    depth = 2.0 + 0.013 * x + 0.02 * y  # slanted: half a texel lands elsewhere
-    nothing = (behind, np.zeros((HIGH, WIDE)))
-    with Warper(SIZE, warp="layered", fill="none", gpu=gpu) as warper:
-        peeled = [(behind, np.full((HIGH, WIDE), np.inf)), *[nothing] * (warper.plan.needs["peeled"] - 1)]
-        shown = View(Pose((*way_m, 0.0)), HERE.fov)
-        out = warper.warp(wall, depth, HERE, shown, layers={"peeled": peeled})
-    assert (out.coverage == 0).any() and out.colour[..., 2].max() == 0
-
-
-def test_glass_adds_its_light_and_lets_some_through(picture, gpu):
-    light, depth, passing = glass(light=0.25)
-    depth[:, 30:] = 0
-    given = {"transparent": (light, depth, passing)}
-    out = warp_image(*picture, HERE, HERE, effects="transparency", layers=given, gpu=gpu).colour
-    assert np.allclose(out[:, 1:29], 0.5 * picture[0][:, 1:29] + 0.25, atol=2e-3)
-    assert np.allclose(out[:, 31:], picture[0][:, 31:], atol=2e-3)
-
-
-def metres(texture) -> np.ndarray:
-    """Depth as callers have it: infinity for the sky, 0 for none."""
-    inverse = download(texture).astype(np.float64)
-    with np.errstate(divide="ignore"):
-        return np.where(inverse < 0, 0, 1 / np.abs(inverse))
-
-
-def test_mirrors_show_what_the_offline_pipeline_shows_bit_for_bit(gpu):
-    """One frame of a scene with mirrors, as the server drew it and through arrays of its layers."""
-    size, fov = (120, 100), Fov.symmetric(1.4, 1.2)
-    late, now = (View(Pose((x, 1.6, 0.0)), fov) for x in (0.0, 0.06))
-    with Warper(size, effects=MIRRORS, fill="none", gpu=gpu) as warper:
-        server = Server(gpu, load_scene("gallery"))
-        (eye,) = server.draw_frame([late], 0, size, needs=warper.plan.needs).eyes
-        compensator = Compensator(gpu, warper.plan, None, size, size)
-        expected = download(compensator.run(PassInputs(eye, now, 0, shown_ns=10**8)).shown.texture)
-        seen: Reflection = eye["reflection"]
-        surface = download(seen.surface).astype(np.float32)
-        colours = [download(texture).astype(np.float32) for texture in (eye.colour, seen.seen.colour)]
-        mirrored = (colours[1], metres(seen.seen.inverse_depth), surface[..., :3], seen.mirrors)
-        bare = warper.warp(colours[0], metres(eye.inverse_depth), late, now, layers={"reflection": nothing(mirrored)})
-        out = warper.warp(colours[0], metres(eye.inverse_depth), late, now, layers={"reflection": mirrored})
-        compensator.close()
-        server.close()
-    assert (surface[..., 0] > 0).mean() > 0.01 and np.abs(out.colour - bare.colour).max() > 0.01
-    assert np.array_equal(out.colour, expected[..., :3] * (expected[..., 3:] > 0))
-
-
-def nothing(mirrored):
-    """The same frame if nothing mirrored."""
-    colour, depth, surface, mirrors = mirrored
-    return colour, depth, np.zeros_like(surface), mirrors
-
-
 @pytest.mark.parametrize(
     ("effects", "layers", "told"),
     [
@@ -161,7 +74,7 @@ def nothing(mirrored):
         ("overlay", {}, "reads layer 'overlay': give layers={'overlay': ..}, .h, w, 4. of the result's size"),
         ("none", {"velocity": 0}, "layer 'velocity': warp 'iterative' does not read it"),
         ("none", {"normals": 0}, "layer 'normals' is unknown: expected velocity, ids, overlay"),
-        ("none", {"cube": 0}, "layer 'cube' .colour of everything.* comes from a server of our own alone: expected"),
+        ("none", {"cube": 0}, "layer 'cube' .colour of everything.* comes from a server or the feed alone: expected"),
         ("overlay", {"overlay": np.zeros((3, 3, 4))}, "layer 'overlay' is float64 .3, 3, 4.: expected numbers"),
         ("overlay", {"overlay": np.full((HIGH, WIDE, 4), 2.0)}, "alpha of layer 'overlay' is 2 to 2: expected 0 to 1"),
         ("soft_motion", {"velocity": np.full((HIGH, WIDE, 3), np.nan)}, "layer 'velocity' has NaN"),
@@ -169,15 +82,6 @@ def nothing(mirrored):
         ("rigid_motion", {"ids": (np.ones((HIGH, WIDE), int), [])}, "numbers of 0 to 0, as there are 0 bodies"),
         ("rigid_motion", {"ids": (np.zeros((HIGH, WIDE), int), [1])}, "expected a hmdwarp.geometry.RigidState"),
         ("rigid_motion", {"ids": (np.zeros((HIGH, WIDE), int), [BODY] * 65536)}, "65536 bodies: expected 65535"),
-        ("transparency", {"transparent": glass(passing=1.5)}, "passing of layer 'transparent' is 1.5 to 1.5: expected"),
-        ("transparency", {"transparent": glass(light=-1)}, "light of layer 'transparent' is -1 at least, depth_m 1: "),
-        ("transparency", {"transparent": glass(depth_m=-2)}, "is 0 at least, depth_m -2: expected none below 0"),
-        ("transparency", {"transparent": (0, 0)}, "layer 'transparent' is a tuple: expected .light, depth_m, passing."),
-        (MIRRORS, {}, "reads layer 'reflection': give layers={'reflection': ..}, .colour, depth_m, surface, mirrors."),
-        (MIRRORS, {"reflection": (*MIRRORED[:3], ())}, "mirrors of layer 'reflection': expected one .*Mirror or more"),
-        (MIRRORS, {"reflection": (*MIRRORED[:3], (Mirror((0, 0, 0)),))}, "a mirror without an area"),
-        (MIRRORS, {"reflection": (*MIRRORED[:2], MIRRORED[2] + 2, MIRRORED[3])}, "reflectivity .* expected 0 to 1"),
-        (MIRRORS, {"reflection": (*(a[1:] for a in MIRRORED[:2]), *MIRRORED[2:])}, "mirrors is 40x29 pixels"),
     ],
 )
 def test_a_layer_that_is_missing_or_wrong_is_named(picture, gpu, effects, layers, told):

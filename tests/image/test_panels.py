@@ -18,8 +18,12 @@ DEPTH = np.where(np.arange(64) < 32, 0.8, 2.0) * np.ones((48, 1))
 WHITE = Panel(np.full((8, 8, 3), 255, np.uint8), Pose((0.1, 1.6, -1.0)), (0.4, 0.4))
 
 
-def warped(*panels, **options):
-    return warp_image(GREY, np.full((48, 64), 2.0), VIEW, SHOWN, panels=panels, **options).colour
+def laid(*panels, effects="panels,occluded_panels"):
+    return {"layers": {"panels": panels}, "effects": effects}
+
+
+def warped(*panels):
+    return warp_image(GREY, np.full((48, 64), 2.0), VIEW, SHOWN, **laid(*panels)).colour
 
 
 def test_a_panel_stands_where_the_newest_eye_sees_it():
@@ -34,21 +38,19 @@ def test_a_panel_stands_where_the_newest_eye_sees_it():
 def test_what_is_nearer_hides_a_panel_that_asks_for_it():
     still = {"rendered": VIEW, "shown": VIEW, "colour": GREY, "depth_m": DEPTH}
     panel = attrs.evolve(WHITE, pose=Pose((0.0, 1.6, -1.0)), occluded=True)
-    hidden = warp_image(panels=[panel], **still).colour == 255
+    hidden = warp_image(**still, **laid(panel)).colour == 255
     assert not hidden[:, :32].any()
     assert hidden[14:34, 33:42].all()
-    assert (warp_image(panels=[attrs.evolve(panel, occluded=False)], **still).colour == 255)[14:34, 22:42].all()
+    assert (warp_image(**still, **laid(attrs.evolve(panel, occluded=False))).colour == 255)[14:34, 22:42].all()
 
 
 def test_a_warper_takes_other_panels_for_each_picture():
     arguments = GREY, np.full((48, 64), 2.0), VIEW, SHOWN
     with Warper(SIZE, effects="panels") as warper:
-        bare, one = warper.warp(*arguments), warper.warp(*arguments, panels=[WHITE])
-        beside = warper.warp(*arguments, panels=[attrs.evolve(WHITE, pose=Pose((0.3, 1.6, -1.0))), WHITE])
-        late = warper.submit(*arguments, panels=[WHITE]).result()
+        bare, one = warper.warp(*arguments), warper.warp(*arguments, layers={"panels": [WHITE]})
+        beside = warper.warp(*arguments, layers={"panels": [attrs.evolve(WHITE, pose=Pose((0.3, 1.6, -1.0))), WHITE]})
         again = warper.warp(*arguments)
     assert np.array_equal(one.colour, warped(WHITE))
-    assert np.array_equal(one.colour, late.colour)
     assert np.array_equal(bare.colour, again.colour)
     assert (beside.colour == 255).all(axis=2).sum() == 20 * 30
 
@@ -62,23 +64,23 @@ def test_a_warper_takes_other_panels_for_each_picture():
 )
 def test_what_is_no_panel_is_refused(panels, message):
     with Warper(SIZE, effects="panels") as warper, pytest.raises(InputError, match=message):
-        warper.warp(GREY, np.full((48, 64), 2.0), VIEW, SHOWN, panels=panels)
+        warper.warp(GREY, np.full((48, 64), 2.0), VIEW, SHOWN, layers={"panels": panels})
 
 
 def test_panels_without_their_effect_are_refused():
     with Warper(SIZE) as warper, pytest.raises(InputError, match="does not read it; leave it out, or name an effect"):
-        warper.warp(GREY, np.full((48, 64), 2.0), VIEW, SHOWN, panels=[WHITE])
+        warper.warp(GREY, np.full((48, 64), 2.0), VIEW, SHOWN, layers={"panels": [WHITE]})
 
 
 def test_textures_get_panels_too(gpu):
     """The same picture as of arrays, in the caller's own context."""
     colour, depth = np.full((48, 64, 3), 0.25, np.float32), np.full((48, 64), 2.0)
     with Warper(SIZE, effects="panels", gpu=gpu) as warper:
-        here = warper.warp(colour, depth, VIEW, SHOWN, panels=[WHITE]).colour
+        here = warper.warp(colour, depth, VIEW, SHOWN, layers={"panels": [WHITE]}).colour
         textures = allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR)
         upload(textures[0], colour)
         upload(textures[1], (1 / depth).astype(np.float32))
-        found = download(warper.warp_textures(*textures, VIEW, SHOWN, panels=[WHITE]).colour)
+        found = download(warper.warp_textures(*textures, VIEW, SHOWN, layers={"panels": [WHITE]}).colour)
         bare = download(warper.warp_textures(*textures, VIEW, SHOWN).colour)
     assert np.array_equal(found[..., :3].astype(np.float32), here)
     assert not np.array_equal(found, bare)

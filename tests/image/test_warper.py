@@ -8,7 +8,6 @@ import pickle
 import subprocess
 import sys
 import threading
-import tracemalloc
 
 import mirror_wall
 import moderngl
@@ -69,61 +68,6 @@ def test_later_pictures_allocate_nothing_and_closing_frees_everything(gpu):
     assert living() <= before
 
 
-def test_later_pictures_make_no_array_of_picture_size(gpu):
-    """With arrays of the caller's own to write into, whatever the picture's arrays are."""
-    wide, high = size = (320, 240)
-    rng = np.random.default_rng(2)
-    colour = rng.integers(0, 256, (high, wide, 4), np.uint8)[::-1, ::-1]
-    depth = np.full((wide, high), 2.0).T
-    for one in (colour[..., :3], colour, rng.random((high, wide, 3)), rng.random((high, wide, 3)).astype(np.float16)):
-        with Warper(size, depth=True, gpu=gpu) as warper:
-            first = warper.warp(one, depth, view(), view((0.1, 0, 0)))
-            out = {"colour": first.colour, "coverage": first.coverage, "depth_m": first.depth_m}
-            before = [array.copy() for array in out.values()]
-            for array in out.values():
-                array[:] = 7
-            tracemalloc.start()
-            again = warper.warp(one, depth, view(), view((0.1, 0, 0)), out=out)
-            most = tracemalloc.get_traced_memory()[1]
-            tracemalloc.stop()
-            assert most < wide * high  # a byte for each pixel
-            assert again.colour is first.colour and again.coverage is first.coverage and again.depth_m is first.depth_m
-            assert all(np.array_equal(*pair) for pair in zip(before, out.values(), strict=True))
-
-
-def test_results_go_into_arrays_of_any_strides_and_widths(gpu):
-    colour, depth = picture(3, (41, 30))
-    views = view(), view((0.1, 0, 0))
-    with Warper((41, 30), depth=True, gpu=gpu) as warper:
-        for result in ("srgb8", "srgb", "linear"):
-            wanted = warper.warp(colour, depth, *views, result=result)
-            room = np.zeros((30, 90, 5), np.uint8 if result == "srgb8" else np.float64)
-            deep = np.zeros((41, 30), np.float16)
-            got = warper.warp(
-                colour, depth, *views, result=result, out={"colour": room[:, 3:85:2, 1:4], "depth_m": deep.T}
-            )
-            assert np.array_equal(room[:, 3:85:2, 1:4], wanted.colour) and (room[..., 0] == 0).all()
-            assert np.array_equal(deep.T, wanted.depth_m.astype(np.float16), equal_nan=True)
-            assert np.array_equal(got.coverage, wanted.coverage)
-        frozen = np.zeros((30, 41), np.float32)
-        frozen.flags.writeable = False
-        for out, told in (
-            ({"color": frozen}, "out names 'color': expected some of colour, coverage, depth_m"),
-            (
-                {"colour": np.zeros((30, 41, 3), np.uint8)},
-                r"uint8 \(30, 41, 3\): expected floats of shape \(30, 41, 3\)",
-            ),
-            (
-                {"coverage": np.zeros((30, 40))},
-                r"'coverage'. is float64 \(30, 40\): expected floats of shape \(30, 41\)",
-            ),
-            ({"depth_m": [1.0]}, "'depth_m'. is a list: expected an array of floats"),
-            ({"depth_m": frozen}, "read-only"),
-        ):
-            with pytest.raises(InputError, match=told):
-                warper.warp(colour, depth, *views, out=out)
-
-
 def numbers(kind: type, channels: int, rng: np.random.Generator) -> np.ndarray:
     """(30, 41, channels) over the whole range of the type, also beyond what a half holds."""
     shape = (30, 41, channels)
@@ -164,7 +108,11 @@ def test_arrays_are_taken_over_as_in_float64(kind, encoding, channels, form, gpu
         )
     if form == "masked":
         depth = np.ma.masked_less(depth, 20)
-    rgba, inverse = checked_picture(colour, depth, scale, encoding).arrays()
+    checked = checked_picture(colour, depth, scale, encoding)
+    covered = ~np.isnan(checked.depth)
+    light = np.clip(checked.light, -65504, 65504) * covered[..., None]
+    rgba = np.concatenate([light, covered[..., None]], axis=2).astype(np.float32)
+    inverse = np.where(covered, checked.depth, -1).astype(np.float32)
     pair = allocate(gpu.gl, (41, 30), COLOUR), allocate(gpu.gl, (41, 30), SCALAR)
     taking, buffers = TakeIn(gpu, (41, 30)), PixelBuffers(gpu, 1)
     found = buffers.found
@@ -283,17 +231,6 @@ def test_the_depth_of_the_shown_view_comes_on_request(gpu):
     assert np.isnan(near.depth_m[~covered]).all()
     assert far.depth_m is not None and np.isinf(far.depth_m[far.coverage > 0]).all()
     assert warp_image(colour, np.full((30, 40), 4.0), view(), view(), gpu=gpu).depth_m is None
-
-
-def test_the_depth_that_the_client_has_is_read(gpu):
-    """The exact depth of a plane in the shown view: every pixel finds its own, as in a plane."""
-    colour = picture(5)[0]
-    depth, shown = np.full((30, 40), 4.0), view((0.4, 0, 0))  # two pixels of 0.05 at 1 m
-    out = warp_image(colour, depth, view(), shown, "backward", "none", client_depth_m=depth, gpu=gpu)
-    # The place is right to 1e-4 pixel in float32, times at most 1 between two neighbours.
-    assert np.abs(out.colour[:, :38] - colour[:, 2:]).max() <= 2e-3
-    off = warp_image(colour, depth, view(), shown, "backward", "none", client_depth_m=2 * depth, gpu=gpu)
-    assert off.hole_share > 0.9  # nothing was drawn where that depth says
 
 
 def textures_of(gpu: Gpu, colour: np.ndarray, inverse: np.ndarray) -> tuple[moderngl.Texture, moderngl.Texture]:
@@ -428,7 +365,6 @@ def test_what_a_dropped_warper_held_is_freed_by_the_next_call(is_shared, gpu):
         before = living()
         dropped = [Warper(SIZE, fill="memory+pyramid", depth=True, **own)]
         dropped[0].warp(*picture(0), view(), view())
-        dropped[0].submit(*picture(0), view(), view())
         thread = threading.Thread(target=dropped.clear)
         thread.start()
         thread.join()
@@ -541,11 +477,9 @@ def test_arguments_that_do_not_fit_are_refused(gpu):
         usual = {"colour": colour, "depth_m": depth, "rendered": view(), "shown": view()}
         for wrong, told in (
             ({"colour": colour[:, :20], "depth_m": depth[:, :20]}, "colour is 20x30 pixels: this Warper is for 40x30"),
-            ({"client_depth_m": depth}, "client_depth_m: warp 'iterative' does not read it"),
             ({"others": 3 * [(colour, depth, view())]}, "others has 3 pictures, and warp 'iterative'.*at most 2"),
             ({"others": None}, "others is of type NoneType: expected a list of"),
             ({"layers": None}, "layers is of type NoneType: expected a dict of arrays by name"),
-            ({"out": np.empty((30, 40, 3))}, 'out is of type ndarray: expected a dict .* such as {"colour": array}'),
             ({"eye": 2}, "eye is 2: expected 0"),
             ({"shown": "here"}, "shown is a str"),
         ):

@@ -398,9 +398,9 @@ def test_names_are_checked():
         (("foreward",), UnknownNameError, "did you mean 'forward'"),
         (("forward", "interpolation"), UnknownNameError, "did you mean 'interpolate'"),
         (("auto",), InputError, "'auto' keeps to a budget: give budget_ms"),
-        (("backward",), InputError, "backward.*client_depth_m"),
+        (("backward",), PlanError, "backward.*single picture has none"),
         (("environment",), PlanError, "warp environment needs layer 'cube' from the server.*single picture has none"),
-        (("layered",), InputError, "warp 'layered' reads layer 'peeled': give layers"),
+        (("layered",), PlanError, "layer 'peeled'.*single picture has none"),
         *(((wrong,), InputError, "warp is .*: expected a name: forward, ") for wrong in (None, 3, ["forward"])),
         (("forward", None), InputError, "fill is .*: expected a name: constant, "),
     ):

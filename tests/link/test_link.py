@@ -241,19 +241,6 @@ def test_the_bound_of_a_constant_link_is_what_it_needs(latency_ns, rate_hz):
     assert LinkOptions().most_under_way(latency_ns, rate_hz) == math.ceil(latency_ns * 1e-9 * rate_hz) + 2
 
 
-def test_the_sender_hears_of_a_loss_one_delay_after_it_and_once_a_key_frame_has_gone_no_more():
-    link = Link(itertools.repeat(100), iter([False, True, False, False, False, True]))
-    for number in range(3):
-        link.send(number, number * 10, key=number == 0)
-    # Frame 1, sent at 10, is missing at 110 and known to be at 210.
-    assert [link.needs_key(t) for t in (0, 110, 209, 210, 300)] == [False, False, False, True, True]
-    link.send(3, 300, key=True)
-    assert not link.needs_key(10**9)
-    link.send(4, 310, key=False)
-    link.send(5, 320, key=True)  # the key frame itself goes missing
-    assert [link.needs_key(t) for t in (519, 520)] == [False, True]
-
-
 def test_faults_of_the_caller():
     with pytest.raises(ValueError, match="delay of -1 ns"):
         Link(iter([-1])).send("a", 0)

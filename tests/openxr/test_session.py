@@ -10,7 +10,6 @@ import ctypes
 import itertools
 import math
 import signal
-import subprocess
 import time
 
 import attrs
@@ -20,16 +19,14 @@ import xr
 from display.virtual_screen import until
 
 from hmdwarp.colour import picture_from_linear
-from hmdwarp.display import DisplayOptions, Lost
-from hmdwarp.display.openxr import OpenXrDisplay, OpenXrHead
-from hmdwarp.display.openxr import openxr_display as head_module
+from hmdwarp.display import DisplayOptions
+from hmdwarp.display.openxr import OpenXrDisplay
 from hmdwarp.display.openxr.connection import NEAR_M, Swapchain
 from hmdwarp.display.openxr.runtime import Calls
-from hmdwarp.display.openxr.tracking import EYE_HEIGHT_M
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.geometry import Fov, Pose
 from hmdwarp.gpu import download, flip_rows
-from hmdwarp.poses import Origin, angle_between, jumps_between
+from hmdwarp.poses import Origin, angle_between
 
 from .live_runs import LONG_S, SMALL, Here, quick
 
@@ -116,25 +113,6 @@ def test_a_head_that_is_lost_is_held_where_it_was(display, remote_head, monado):
     sample = display.source.head_at(display.now_ns())
     assert display.source.lost and sample.origin is Origin.HELD
     assert sample.pose.isclose(HEAD, 1e-5)
-
-
-def test_a_recentre_of_the_runtime_gives_later_poses_another_space(remote_head, monkeypatch):
-    """Monado moves the origins of its local spaces, not that of the stage, which it always has."""
-    local = f"local, taken to be {EYE_HEIGHT_M:g} m above the floor", xr.ReferenceSpaceType.LOCAL, EYE_HEIGHT_M
-    monkeypatch.setattr("hmdwarp.display.openxr.tracking._world", lambda *_: local)
-    display = OpenXrDisplay(DisplayOptions(size=SMALL))
-    remote_head.put(HEAD)
-    until_head_at(display, HEAD)
-    before = display.source.head_at(display.now_ns())
-    subprocess.run(["monado-ctl", "-c"], check=True, capture_output=True)
-    until(lambda: frames(display, 1) and display.source.head_at(display.now_ns()).space != before.space, "the event")
-    after = display.source.head_at(display.now_ns())
-    assert after.space == before.space + 1
-    # Its new origin is under the head and turned with it around y; heights stay.
-    assert np.allclose(after.pose.position_m, (0, HEAD.position_m[1], 0), atol=1e-5)
-    assert abs(after.pose.orientation_xyzw[1]) < 1e-5
-    assert jumps_between([before, after])
-    display.close()
 
 
 # --- what is handed over ------------------------------------------------------------------------
@@ -296,29 +274,3 @@ def test_every_call_that_may_hang_is_watched(monado):
     assert {"xrCreateInstance", "xrCreateSession", "xrCreateSwapchain", "xrBeginSession"} <= opened
     frame = {"xrPollEvent", "xrWaitFrame", "xrBeginFrame", "xrLocateViews", "xrWaitSwapchainImage", "xrEndFrame"}
     assert frame <= set(watched)
-
-
-# --- the head alone -----------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("headless", [True, False])
-def test_the_head_alone(remote_head, monkeypatch, headless):
-    if not headless:  # as with a runtime that has not that extension
-        monkeypatch.setattr(head_module, "HEADLESS_EXTENSION", "XR_no_such_extension")
-    remote_head.put(HEAD)
-    with OpenXrHead() as head:
-        assert head.about["graphics"] == ("none" if headless else "EGL")
-        assert head.about["headset"] and head.rate_hz > 0
-        until(lambda: head.poll() and head.head_at(head.now_ns()).pose.isclose(HEAD, 1e-5), "that head")
-        assert head.head_at(head.now_ns()).origin is Origin.MEASURED
-
-
-def test_the_head_alone_is_lost_and_comes_back(monado):
-    with OpenXrHead() as head:
-        monado.kill()
-        with pytest.raises(Lost):
-            for _ in range(100):
-                head.poll()
-        assert not head.reopen()
-        monado.start()
-        assert head.reopen() and head.poll()

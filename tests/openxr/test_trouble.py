@@ -12,7 +12,6 @@ import signal
 
 import pytest
 
-from hmdwarp.errors import MachineError
 from hmdwarp.poses import load_trace
 from hmdwarp.report import validate_summary
 
@@ -114,16 +113,6 @@ def test_another_program_takes_the_headset_for_a_while(wobbling, tmp_path):
         first.until_recorded(before + 20)
         first.send(signal.SIGINT)
         assert first.ended()[0] == 0
-
-
-def test_a_killed_service_is_noticed_at_the_next_refresh(monado, here, tmp_path):
-    """A refresh is 50 ms here, so that is within the second that may pass."""
-    recording = tmp_path / "head.csv"
-    with pytest.raises(MachineError, match="went away.*it has not come back within 0.2 s"):
-        here.run(quick(record=recording, reconnect_s=0.2), after=lambda number: monado.kill() if number == 5 else None)
-    # One more picture may have been on its way into the compositor.
-    assert load_trace(str(recording)).track.time_ns.size in (5, 6)
-    assert any("waiting up to 0.2 s" in text for text in here.said)
 
 
 def test_a_restarted_service_goes_on_with_the_same_run(wobbling, here, tmp_path):

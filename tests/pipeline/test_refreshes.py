@@ -89,18 +89,6 @@ def test_ages_people_would_expect(latency_ms, rate_hz, age):
     assert refreshes_of(latency_ms, rate_hz) == age
 
 
-@pytest.mark.parametrize(("seconds", "count"), [(1.0, 60), (0.5, 30), (100.0, 108), (None, 108), (0.0001, 1)])
-def test_counts_at_the_end_of_the_trace(seconds, count):
-    """2 s of trace less 200 ms until the first frame arrives. 1.8 s, 108 refreshes of 60 Hz, the
-    last one period before the end."""
-    times = schedule_of(track(2.0), small(seconds=seconds), 60.0)
-    shown = [at for number, at in times.numbered() if number >= 0]
-    assert len(shown) == count
-    assert shown[0] == BEGIN_NS + 200_000_000
-    if count == 108:
-        assert abs(shown[-1] + 1e9 / 60 - (BEGIN_NS + 2_000_000_000)) <= 1
-
-
 ONE_SAMPLE = PoseTrack(np.array([7]), np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]), name="one")
 
 

@@ -12,51 +12,19 @@ from replays import CHEAPER, scene_for
 from hmdwarp.client import parse_warp
 from hmdwarp.client.effects import effects
 from hmdwarp.client.strategies import options_of_strategy, strategies
-from hmdwarp.errors import InputError, PlanError
+from hmdwarp.errors import InputError
 from hmdwarp.options import options_of
 from hmdwarp.pipeline import PipelineOptions, build_plan_for
-from hmdwarp.scenes import load_scene, scenes
+from hmdwarp.scenes import load_scene
 from hmdwarp.study.design import live_options
 
 NAMES = strategies.names()
-PICTURE = {"colour", "inverse_depth"}
-# What `crosses` says, as layers.
-CROSSES = {
-    "colour": {"colour"}, "colour and depth": PICTURE, "light and depth": PICTURE | {"light"},
-    "colour and depth of several layers of one view": PICTURE | {"peeled"},
-    "colour and depth of several views, when something has moved": PICTURE | {"views"},
-    "colour, depth and layers of effects to the proxy, from there colour": {"colour"},
-    "colour alone for a warp that reads no depth": set(), "a cube map": {"cube"},
-    "the difference of two pictures": {"difference"}, "the scene: once, or in pieces, what is seen first": set(),
-    "the scene once": set(), "the deforming meshes once": set(), "an atlas of indirect light": {"irradiance"},
-    "photons, of what has changed": {"photons"}, "points of surfaces, each once": {"points"},
-}  # fmt: skip
 SMALL = ("--size", "48x40", "--headset", "flat-90", "--samples", "1", "--seconds", "0.1", "--quiet")
 
 
 @pytest.fixture(params=NAMES)
 def name(request) -> str:
     return request.param
-
-
-@pytest.mark.parametrize("scene", scenes.names())
-def test_what_crosses_is_what_the_strategy_says(scene):
-    """In each scene that it is for; `others` are frames that came before, or of the other eye."""
-    there, suited = load_scene(scene), 0
-    for name in NAMES:
-        try:
-            plan = build_plan_for(PipelineOptions.of({"strategy": name}), None, there)
-        except PlanError:
-            continue
-        phrases, suited = strategies.get(name).crosses.split("; "), suited + 1
-        told = set[str]().union(*(CROSSES[phrase] for phrase in phrases if phrase != "layers of effects"))
-        if "layers of effects" in phrases:
-            every = [*plan.effect_passes, *plan.handed_on]
-            told |= {layer for planned in every for layer in planned.needs}
-            told |= {"inverse_depth" for planned in every for read in planned.reads if read.endswith("inverse_depth")}
-        crosses = {layer.partition(".")[2] for layer in plan.layers} - {"others"}
-        assert crosses == told, (name, scene)
-    assert suited >= 11
 
 
 def test_a_strategy_is_the_options_that_it_sets_and_says_what_it_is(name):

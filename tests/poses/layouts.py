@@ -6,7 +6,6 @@ is known. `layouts.toml` has them.
 
 from __future__ import annotations
 
-import gzip
 import tempfile
 import textwrap
 import tomllib
@@ -36,7 +35,6 @@ class Layout:
     join: str = "\n"
     end: str = ""
     stated: dict[str, Any] = attrs.field(factory=dict)  # fields of TraceOptions; most need one
-    packed: bool = False
     # What says so: documents of the data set or of its maker, and for the plain ones of OpenXR.
     proof: str = "OpenXR 1.1, 2.16"
 
@@ -60,8 +58,8 @@ def written(layout: Layout, truth: PoseTrack, folder: Path) -> Path:
         named = dict(zip(("x", "y", "z", "qx", "qy", "qz", "qw"), (*p, *q), strict=True))
         rows.append(layout.row.format(**stamps, **named))
     text = f"{layout.header}\n".lstrip("\n") + layout.join.join(rows) + f"{layout.end}\n"
-    path = folder / ("head.csv.gz" if layout.packed else "head.csv")
-    path.write_bytes(gzip.compress(text.encode()) if layout.packed else text.encode())
+    path = folder / "head.csv"
+    path.write_text(text, encoding="utf-8")
     return path
 
 

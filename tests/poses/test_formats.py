@@ -10,7 +10,6 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-import attrs
 import numpy as np
 import pytest
 from hypothesis import given
@@ -22,7 +21,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import MachineError, TraceError
 from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
-from hmdwarp.poses.assumptions import By, first_stated
+from hmdwarp.poses.assumptions import By
 from hmdwarp.poses.formats import formats
 from hmdwarp.poses.reading.axes import parse_up
 
@@ -88,12 +87,6 @@ def test_native_tells_origin_rate_and_what_was_done(tmp_path):
     assert load_trace(path).track.origin == "a test with a line break"
 
 
-def test_stamps_too_large_for_a_file_are_written_from_zero():
-    stream = io.StringIO()
-    formats.get("euroc").write(TRACK.evolve(epoch_ns=638 * 10**17), stream)
-    assert stream.getvalue().splitlines()[2].startswith("0,")
-
-
 def test_frame_wxyz_is_found_by_its_shape_and_refused_where_the_motion_shows_w_last(tmp_path):
     angles = np.stack([np.linspace(0, 6, 100), np.full(100, 0.1), np.full(100, 0.05)], axis=1)
     about = TRACK.evolve(orientation_xyzw=Rotation.from_euler("YXZ", angles).as_quat())
@@ -120,29 +113,10 @@ def upright_zup(track: PoseTrack = TRACK) -> PoseTrack:
     return track.evolve(orientation_xyzw=Rotation.from_matrix(matrices).as_quat())
 
 
-@pytest.mark.parametrize(
-    ("text", "up"), [("y", 1), ("-y", -1), ("z", 2), ("-z", -2), ("x", 0), ("-y,z,x", 2), ("x,z,y", 2)]
-)
-def test_the_named_axis_becomes_up(text, up):
-    vector = np.zeros(3)
-    vector[abs(up)] = -1.0 if text.startswith("-") and "," not in text else 1.0
+@pytest.mark.parametrize("text", ["y", "-y", "z", "-z", "x", "-x"])
+def test_the_named_axis_becomes_up(text):
+    vector = np.where(np.array(list("xyz")) == text[-1], -1.0 if text[0] == "-" else 1.0, 0.0)
     assert np.array_equal(parse_up(text).world @ vector, [0, 1, 0])
-
-
-@pytest.mark.parametrize(
-    ("text", "turn", "place", "turned"),
-    [
-        ("z", (0, 0, 1), (1, 3, -2), (0, 1, 0)),
-        # Unity: x right, y up, z forward; a positive turn about y is to the right.
-        ("x,y,z", (0, 1, 0), (1, 2, -3), (0, -1, 0)),
-    ],
-)
-def test_a_quarter_turn_and_another_hand_in_numbers(text, turn, place, turned):
-    position, sine = np.array([[1.0, 2, 3]]), np.sin(0.2)
-    orientation = np.array([[*np.multiply(turn, sine), np.cos(0.2)]])
-    parse_up(text).apply(position, orientation)
-    assert np.array_equal(position[0], place)
-    assert np.array_equal(orientation[0], [*np.multiply(turned, sine), np.cos(0.2)])
 
 
 @given(st.lists(st.floats(-1, 1), min_size=3, max_size=3).filter(lambda v: np.linalg.norm(v) > 0.01))
@@ -211,11 +185,6 @@ def test_notes_name_what_nobody_says(tmp_path):
     assert load_trace("walk").notes == []
 
 
-def test_the_first_that_states_a_fact_is_believed():
-    assert first_stated(None, 2.0, 3.0) == (2.0, By.FILE)
-    assert first_stated(None, None, None) == (None, By.DEFAULT)
-
-
 # One file of each format: written here, or the first of `files/` that was read as that.
 SAMPLES: dict[str, Callable[[Path], Path]] = {
     "colmap": lambda folder: (write_colmap(folder, taken(3)), folder / "sparse/0/images.txt")[1],
@@ -275,9 +244,3 @@ def test_no_layout_is_read_wrong_and_the_table_says_how_each_is_read(tmp_path):
     assert layouts.contradicted_text() in page
     for layout in layouts.LAYOUTS:
         assert layouts.line(layout, *outcomes[layout.name]) in page
-
-
-def test_a_file_that_is_read_wrong_is_called_wrong(tmp_path):
-    """The verdict can fail: a left-handed world whose preset nobody states is a mirror image."""
-    mirrored = attrs.evolve(layouts.LAYOUTS[0], name="mirrored", axes="world=-x,y,-z head=-x,y,-z")
-    assert layouts.verdict(mirrored, load_trace("walk").track, tmp_path)[0] == layouts.WRONG

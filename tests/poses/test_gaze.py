@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import TraceError
 from hmdwarp.geometry import Pose
-from hmdwarp.poses import PoseTrack, foreseen_gaze, gaze_facts, load_trace, predict, synthesise
+from hmdwarp.poses import PoseTrack, foreseen_gaze, load_trace, predict, synthesise
 from hmdwarp.poses.formats import formats
 from hmdwarp.poses.predictors import predictors
 
@@ -56,7 +56,7 @@ def test_a_blink_and_a_gap_hold_what_was_seen_before():
 
 def test_a_track_without_gaze_has_none_and_other_samples_lose_it():
     plain = PoseTrack([0, 1], np.zeros((2, 3)), [[0, 0, 0, 1]] * 2)
-    assert plain.at(0).gaze is None and plain.gaze_at(1) is None and gaze_facts(plain) is None
+    assert plain.at(0).gaze is None and plain.gaze_at(1) is None
     looked = track([towards(0)] * 3)
     assert looked.evolve(name="b").gaze is not None
     assert looked.evolve(time_ns=[0], position_m=np.zeros((1, 3)), orientation_xyzw=[[0, 0, 0, 1]]).gaze is None

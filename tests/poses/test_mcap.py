@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import json
 
 import numpy as np
@@ -103,12 +102,9 @@ def test_other_tools_find_a_pose_in_frame_in_a_written_file(tmp_path):
     """By the reader of the format's authors: schema, times, and up is z."""
     track = head()
     with save(track.evolve(epoch_ns=EPOCH_NS), tmp_path / "a.mcap", "mcap").open("rb") as stream:
-        found = list(READER.make_reader(stream, validate_crcs=True).iter_messages())
-    assert len(found) == len(track)
-    schema, channel, message = found[7]
+        schema, _, message = list(READER.make_reader(stream, validate_crcs=True).iter_messages())[7]
     said = json.loads(message.data)
-    assert (schema.name, schema.encoding, channel.message_encoding) == ("foxglove.PoseInFrame", "jsonschema", "json")
-    assert set(json.loads(schema.data)["properties"]) == set(said)
+    assert schema.name == "foxglove.PoseInFrame" and set(json.loads(schema.data)["properties"]) == set(said)
     assert said["timestamp"] == {"sec": message.log_time // 10**9, "nsec": message.log_time % 10**9}
     assert message.log_time == EPOCH_NS + int(track.time_ns[7])
     assert said["pose"]["position"]["z"] == track.position_m[7, 1]
@@ -204,19 +200,17 @@ def test_protobuf_of_foxglove_is_read(tmp_path):
     assert same_motion(load_trace(other_bag(tmp_path / "bag.mcap", sent)).track, track)
 
 
-def test_a_file_that_was_cut_off_is_read_up_to_there_and_one_in_gzip_whole(tmp_path):
+def test_a_file_that_was_cut_off_is_read_up_to_there(tmp_path):
     """A recorder that crashed left no index, and half a chunk."""
     kind, track = "geometry_msgs/msg/PoseStamped", head()
     sent = (("/head", kind, ns, message(kind, ns, numbers)) for ns, numbers in each(track))
     raw = ros_bag(tmp_path / "bag.mcap", sent, chunk_size=4096).read_bytes()
-    cut, packed = tmp_path / "cut.mcap", tmp_path / "bag.mcap.gz"
+    cut = tmp_path / "cut.mcap"
     cut.write_bytes(raw[: len(raw) // 2])
     loaded = load_trace(cut)
     n = len(loaded.track)
     assert "file-cut" in kinds(loaded) and 20 < n < len(track)
     np.testing.assert_allclose(loaded.track.position_m, track.position_m[:n], atol=1e-12)
-    packed.write_bytes(gzip.compress(raw))
-    assert same_motion(load_trace(packed).track, track)
 
 
 def test_damage_is_refused(tmp_path):
@@ -233,13 +227,6 @@ def test_a_file_without_poses_is_refused_with_what_it_holds(tmp_path):
     sent.append(("/old", "geometry_msgs/PoseStamped", 0, b"\0" * 8, "ros1", b"x"))
     with pytest.raises(TraceError, match=r"/imu \(sensor_msgs/Imu, cdr\), /old \(geometry_msgs/PoseStamped, ros1\)"):
         load_trace(other_bag(tmp_path / "bag.mcap", sent))
-
-
-def test_another_file_named_as_mcap_is_refused(tmp_path):
-    path = tmp_path / "a.csv"
-    path.write_text("time,x,y,z,qx,qy,qz,qw\n" + "0,0,0,0,0,0,0,1\n" * 3)
-    with pytest.raises(TraceError, match="is no MCAP file"):
-        load_trace(path, TraceOptions(format="mcap"))
 
 
 def test_a_chunk_that_unpacks_to_more_than_it_may_is_refused(tmp_path):

@@ -1,4 +1,4 @@
-"""Files as other people's software writes them: `files/` holds one pose track in 195 of them.
+"""Files as other people's software writes them: `files/` holds one pose track in 193 of them.
 
 `files.toml` tells what some need, `files.txt` how each was read. After an intended change
 look at what differs, then write it:
@@ -18,9 +18,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace, synthesise
+from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace
 from hmdwarp.poses.assumptions import By
-from hmdwarp.poses.reading.axes import parse_axes
 from hmdwarp.study.export.write import channels_json, channels_text, motion_text
 
 from .traces import head, kinds, matrices, refusal, same_motion, write
@@ -47,13 +46,6 @@ def by(loaded: LoadedTrace, what: str) -> By:
 def fields(*columns: np.ndarray) -> list[list[str]]:
     """Rows of numbers with every digit, side by side."""
     return [list(map(repr, row)) for row in np.column_stack(columns).tolist()]
-
-
-def in_axes(track: PoseTrack, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and quaternions of a track in a file's axes."""
-    axes = parse_axes(name)
-    turned = axes.world.T @ Rotation.from_quat(track.orientation_xyzw).as_matrix() @ axes.head
-    return track.position_m @ axes.world, Rotation.from_matrix(turned).as_quat()
 
 
 def told(name: str, loaded: LoadedTrace) -> str:
@@ -88,11 +80,10 @@ def test_a_file_is_read_right_and_as_it_was(name):
     assert text + "\n" in GOLDEN.read_text(encoding="utf-8"), "see how it is read now, and the top of this file"
 
 
-def test_columns_stated_as_a_vector_or_an_axis_beside_its_angle_are_read():
-    for name, columns in (("vector-called-angles", "t=1,p=2+3+4,r=5+6+7"), ("axis-and-angle", "t=1,p=2+3+4,a=5+6+7+8")):
-        loaded = load_trace(FILES / f"{name}.csv", TraceOptions(columns=columns))
-        assert np.abs(loaded.track.orientation_xyzw - head(16).orientation_xyzw).max() < 1e-6
-        assert by(loaded, "columns") is By.USER
+def test_columns_stated_as_a_vector_are_read():
+    loaded = load_trace(FILES / "vector-called-angles.csv", TraceOptions(columns="t=1,p=2+3+4,r=5+6+7"))
+    assert np.abs(loaded.track.orientation_xyzw - head(16).orientation_xyzw).max() < 1e-6
+    assert by(loaded, "columns") is By.USER
 
 
 def test_what_is_missing_is_named(tmp_path):
@@ -160,13 +151,11 @@ def stamped(folder: Path, stamps: list, name: str = "time", track: PoseTrack = T
 @pytest.mark.parametrize(
     ("bits", "step_ns", "name", "low"),
     [
-        *((32, step, name, 0) for name, step in (("time_ms", 10**6), ("time_us", 10**3), ("time_ns", 1))),
-        *((32, step, name, -(2**31)) for name, step in (("time_ms", 10**6), ("time_us", 10**3), ("time_ns", 1))),
-        *((33, 1000, "time", 0), (30, 1000, "time", 0), (24, 1000, "time", 0), (24, 10**6, "time", 0)),
-        (16, 10**6, "time", 0),
+        *((32, step, name, 0) for name, step in (("time_ms", 10**6), ("time_us", 10**3))),
+        *((32, step, name, -(2**31)) for name, step in (("time_ms", 10**6), ("time_us", 10**3))),
     ],
 )
-def test_clocks_of_few_bits_are_counted_on(tmp_path, bits, step_ns, name, low):
+def test_clocks_of_32_bits_are_counted_on(tmp_path, bits, step_ns, name, low):
     long = head(600)
     ticks = (long.time_ns // step_ns - 10**9 // step_ns) % 2**bits + low  # a second before the wrap at first
     loaded = load_trace(stamped(tmp_path, ticks.tolist(), name, long))
@@ -195,57 +184,3 @@ def test_a_restart_is_no_wrap(tmp_path):
     track = TRACK.evolve(position_m=TRACK.position_m[other], orientation_xyzw=TRACK.orientation_xyzw[other])
     loaded = load_trace(stamped(tmp_path, ticks, "time_us", track))
     assert "clock-wrap" not in kinds(loaded) and len(loaded.segments) == 2
-
-
-@pytest.mark.parametrize("stamp", ["1000000000.0", "0.0", "-5.0", "99999999999"])
-@pytest.mark.parametrize("at", [0, 1, 30, 59])
-def test_one_absurd_stamp_is_dropped(tmp_path, stamp, at):
-    short = head(60)
-    stamps = [f"{t / 1e9 + 100:.6f}" for t in short.time_ns.tolist()]
-    stamps[at] = stamp
-    loaded = load_trace(stamped(tmp_path, stamps, "time_s", short))
-    assert len(loaded.track) == 59
-    assert loaded.track.duration_ns <= short.duration_ns + 1000
-    told = {"stamp-absurd", "clock-restart", "last-row-cut"} & kinds(loaded)
-    assert told, "the row is gone without a word"
-
-
-def test_auto_turns_a_tilted_world_upright_as_up_advises(tmp_path):
-    truth = load_trace("look-around").track
-    tilt = Rotation.from_euler("xz", [50, 35], degrees=True)
-    turned = truth.evolve(
-        position_m=tilt.apply(truth.position_m.copy()),
-        orientation_xyzw=(tilt * Rotation.from_quat(truth.orientation_xyzw)).as_quat(),
-    )
-    path = stamped(tmp_path, (turned.time_ns / 1e9).tolist(), "time_s", turned)
-    advised = next(str(d) for d in load_trace(path).defects if d.kind == "tilt")
-    assert "--up=" in advised
-    loaded = load_trace(path, TraceOptions(axes="auto"))
-    assert "tilt-set" in kinds(loaded) and by(loaded, "up") is By.MOTION
-    crown = Rotation.from_quat(loaded.track.orientation_xyzw).apply([0, 1, 0])
-    true = Rotation.from_quat(truth.orientation_xyzw).apply([0, 1, 0])
-    # What is left is less than what is worth a note.
-    assert np.degrees(np.arccos(np.clip(np.einsum("ij,ij->i", crown, true), -1, 1))).max() < 10
-
-
-@pytest.mark.parametrize("gravity", [True, False])
-@pytest.mark.parametrize("name", ["aria", "tum-rgbd", "ros", "unreal"])
-def test_auto_sets_a_head_upright_though_its_gaze_is_unclear(tmp_path, name, gravity):
-    """A person who stands still: 92 degrees on its side, where the file has gravity columns."""
-    truth = synthesise("still")
-    places, turns = in_axes(truth, name)
-    down = np.tile(parse_axes(name).world.T @ [0, -9.81, 0], (len(truth), 1))
-    names = "time_s,x,y,z,qx,qy,qz,qw,gravity_x_world,gravity_y_world,gravity_z_world"
-    columns = [truth.time_ns / 1e9, places, turns, down][: None if gravity else 3]
-    path = write(tmp_path / "g.csv", fields(*columns), ",".join(names.split(",")[: 11 if gravity else 8]))
-    loaded = load_trace(path, TraceOptions(axes="auto"))
-    crown = Rotation.from_quat(loaded.track.orientation_xyzw).apply([0, 1, 0])
-    assert crown[:, 1].min() > 0.9
-    undecided = not gravity and name in ("ros", "unreal")  # world and head alike stand on another axis
-    assert ("--axes or --up states it" if undecided else "which way it looks is not clear") in loaded.axes
-
-
-def test_a_file_that_shows_nothing_names_an_option_that_helps(tmp_path):
-    still = TRACK.evolve(orientation_xyzw=np.tile([0, 0, 0, 1.0], (len(TRACK), 1)))
-    loaded = load_trace(stamped(tmp_path, SECONDS.tolist(), "time_s", still), TraceOptions(axes="auto"))
-    assert "--axes or --up states it" in loaded.axes

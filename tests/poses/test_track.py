@@ -13,12 +13,9 @@ from hmdwarp.geometry import Pose
 from hmdwarp.poses import (
     ERROR_PERCENTILES,
     LATENCIES_MS,
-    SHORTEST_GAP_NS,
     LoopedSource,
     Origin,
-    PoseSource,
     PoseTrack,
-    RecordedSource,
     analyse,
     error_row,
     folded,
@@ -66,30 +63,23 @@ def test_outside_and_within_gaps_the_pose_is_held(t, index):
     assert sample.pose.isclose(GAPPED.pose(index), atol=0)
 
 
-def test_a_gap_is_crossed_only_on_request():
-    middle = GAPPED.at(260_000_000, across_gaps=True)
-    assert middle.origin is Origin.INTERPOLATED
-    assert middle.pose.isclose(Pose((0.75, 0.85, 0.95), Rotation.from_euler("Y", 0.55).as_quat()), atol=1e-14)
-
-
 def test_a_jump_is_not_interpolated_either():
     track = GAPPED.evolve(jumps=(0,))
     assert track.at(5_000_000).origin is Origin.HELD
     assert track.at(15_000_000).origin is Origin.INTERPOLATED
 
 
-@given(st.lists(st.integers(-50_000_000, 600_000_000), min_size=1, max_size=40), st.booleans())
-def test_many_at_once_are_the_same_as_one_by_one(times, across):
-    many = GAPPED.sample_many(np.array(times), across)
+@given(st.lists(st.integers(-50_000_000, 600_000_000), min_size=1, max_size=40))
+def test_many_at_once_are_the_same_as_one_by_one(times):
+    many = GAPPED.sample_many(np.array(times))
     for k, t in enumerate(times):
-        one = GAPPED.at(t, across)
+        one = GAPPED.at(t)
         assert many.origin[k] == one.origin
         assert Pose(many.position_m[k], many.orientation_xyzw[k]).isclose(one.pose, atol=1e-14)
 
 
 def test_gap_limit_follows_slow_recordings():
-    assert head(50, rate_hz=60).max_gap_ns == SHORTEST_GAP_NS
-    assert head(50, rate_hz=4).max_gap_ns == 1_000_000_000
+    assert [head(50, rate_hz=rate).max_gap_ns for rate in (60, 4)] == [100_000_000, 1_000_000_000]
 
 
 def test_one_sample_is_held_everywhere_but_at_its_instant():
@@ -134,15 +124,6 @@ def test_an_invalid_track_is_refused(time_ns, position, orientation, word):
         PoseTrack(np.array(time_ns, dtype=None if time_ns else np.int64), position, orientation)
 
 
-def test_a_recorded_source_is_a_pose_source():
-    source = RecordedSource(TRACK)
-    assert isinstance(source, PoseSource)
-    source.start()
-    assert source.head_at(7).pose.isclose(TRACK.at(7).pose, atol=0)
-    source.close()
-    source.close()
-
-
 def spinning(deg_per_s: float, m_per_s: float = 0.0, seconds: float = 5.0) -> PoseTrack:
     t = np.arange(int(seconds * 90)) / 90
     place = t[:, None] * np.array([m_per_s, 0, 0])
@@ -161,7 +142,6 @@ def test_a_steady_turn():
     for row in figures.errors:
         held, ahead = row.errors["none"], row.errors["constant_velocity"]
         assert np.allclose(held.percentiles, 0.06 * row.latency_ms, rtol=1e-6)
-        assert held.lag == pytest.approx(0.06 * row.latency_ms, rel=1e-6) and held.lead == held.lead_share == 0
         assert np.allclose(ahead.percentiles, 0.06 * max(row.latency_ms - 100, 0), rtol=1e-6, atol=1e-4)
 
 
@@ -310,18 +290,6 @@ def test_slerp_is_scipys(a, share):
     assert angle(quaternions.slerp(a.tolist(), b.tolist(), share), wanted) < 2e-14
     many = quaternions.slerp_many(a[None], b[None], np.array([share]))[0]
     assert np.allclose(many, quaternions.slerp(a.tolist(), b.tolist(), share), rtol=0, atol=1e-15)
-
-
-@pytest.mark.parametrize("turn_rad", [0.0, 1e-300, 1e-12, 1e-8, 1e-3, 1.0, np.pi - 1e-8, np.pi])
-@pytest.mark.parametrize("share", [0.0, 0.25, 0.5, 1.0])
-@given(unit_quaternions)
-def test_slerp_turns_by_its_share_of_any_angle(turn_rad, share, a):
-    axis = np.array([1.0, 2.0, -2.0]) / 3
-    b = quaternions.multiply(quaternions.from_rotation_vector(turn_rad * axis), a)
-    q = np.array(quaternions.slerp(a.tolist(), b.tolist(), share))
-    # Near 180 degrees the arc may run either way round: the angle from a is the same.
-    assert abs(np.linalg.norm(q) - 1) < 1e-14
-    assert abs(float(quaternions.angle_between(a, q)) - share * turn_rad) < 1e-14
 
 
 @given(st.lists(st.booleans(), min_size=1, max_size=30))

@@ -14,9 +14,9 @@ from PIL import Image
 from skimage.color import deltaE_ciede2000, rgb2lab
 
 from hmdwarp.colour import linear_from_srgb, srgb_from_linear
-from hmdwarp.metrics import REGIONS, aggregate
+from hmdwarp.metrics import aggregate
 from hmdwarp.report import Look, Series, canvas, css_variables, draw_numbers, paper_bytes, time_series
-from hmdwarp.report.bench.page import looks_of, pareto_chart, pareto_text, region_parts, regions_chart
+from hmdwarp.report.bench.page import looks_of, pareto_chart, pareto_text
 from hmdwarp.report.bench.rows import cases, row_name
 
 from .bench_samples import WARPS, a_row, some_rows
@@ -45,7 +45,6 @@ def all_charts():
     rows = some_rows(traces=("walk",), latencies=(200.0,))
     yield "flip", pareto_chart(cases(rows)[0])
     yield "psnr", pareto_chart(cases(rows)[0], "psnr_db")
-    yield "regions", regions_chart(cases(rows)[0])
     for seed in (0, 1):
         lines = [Series.of(label, some_frames(seed), "flip") for label in ("forward", NASTY)]
         yield f"time {seed}", time_series(lines, "unit")
@@ -128,14 +127,12 @@ def test_odd_values_can_be_drawn():
         (case,) = cases([*rows, a_row("backward")])
         for measure in ("flip", "psnr_db"):
             assert "mesh + interpolate" in key_of(pareto_chart(case, measure))
-    nothing = {name: {"share": 0.0, "flip": None, "psnr_db": None} for name in REGIONS}
-    assert "forward" in words(regions_chart(cases([a_row(regions=nothing, fill="none")])[0]))
 
 
 def test_names_are_text_whatever_they_hold():
     rows, (_, lines) = [a_row(NASTY, fill=NASTY), a_row()], [*all_charts()][-1]
     assert {"forward", "unit", "time in s"} <= set(words(lines))
-    for text in (pareto_chart(cases(rows)[0]), regions_chart(cases(rows)[0]), lines):
+    for text in (pareto_chart(cases(rows)[0]), lines):
         assert "<b>" not in text and any(NASTY in word for word in words(text))
 
 
@@ -145,7 +142,7 @@ def test_warps_share_their_looks_in_all_charts_of_a_page():
     assert [*looks] == [*dict.fromkeys(row["warp"] for row in rows)]
     assert len({(look.color, look.marker) for look in map(Look.of, range(56))}) == 56
     (case,) = cases(rows)
-    others = pareto_chart(case, "psnr_db", looks=looks), pareto_chart(case, looks=looks, width_in=3.35)
+    others = pareto_chart(case, "psnr_db", looks=looks), pareto_chart(case, looks=looks).at_width(3.35)
     for chart in (pareto_chart(case, looks=looks), *others):
         marks = chart.figure.legends[0].legend_handles
         for mark in marks:
@@ -202,21 +199,10 @@ def test_numbers_stand_beside_their_points_and_apart():
         assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))
 
 
-def test_regions_add_up_to_the_whole():
-    row = a_row()
-    added, within = zip(*region_parts(row), strict=True)
-    assert sum(added) == pytest.approx(sum(r["share"] * r["flip"] for r in row["regions"].values()))
-    assert len(within) == 4
-    assert region_parts(a_row(regions={})) is None and region_parts(a_row(regions={"inside_holes": {}})) is None
-    assert "not measured" in words(regions_chart(cases([a_row(regions={})])[0]))
-
-
 @pytest.mark.parametrize("width_in", [3.35, 7.0])
 def test_a_chart_for_a_column_of_a_paper_is_a_picture_on_white(width_in):
     (case,) = cases([*some_rows(traces=("walk",), latencies=(200.0,)), a_row(NASTY, trace="walk")])
-    chart = pareto_chart(case, width_in=width_in)
-    with Image.open(io.BytesIO(paper_bytes(chart, "png"))) as image:
+    with Image.open(io.BytesIO(paper_bytes(pareto_chart(case), "png", width_in))) as image:
         picture = np.asarray(image.convert("RGB"))
     assert picture.shape[1] == pytest.approx(200 * width_in, abs=1) and (picture[0] == 255).all()
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 50
-    assert pareto_chart(case).at_width(width_in) == chart

@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 from hmdwarp.metrics import aggregate
-from hmdwarp.report.bench.rows import COLUMNS, DECISION, bench_table, cases, common, verdict_text
+from hmdwarp.report.bench.rows import COLUMNS, bench_table, cases, common, verdict_text
 
 from .bench_samples import WARPS, a_row, some_rows
 
@@ -19,7 +19,7 @@ SPECS = (*WARPS, "iterative:seed=forward,steps=3", "mesh:cut=slope")
 
 def printed(rows, width=100) -> str:
     console = Console(file=io.StringIO(), width=width)
-    console.print(bench_table(rows, width=width))
+    console.print(bench_table(rows))
     return console.file.getvalue()
 
 
@@ -27,27 +27,17 @@ def body(text: str) -> list[str]:
     return [line for line in text.splitlines() if re.search(r"\d\.\d\d", line)]
 
 
-@pytest.mark.parametrize("warps", [tuple(WARPS), SPECS])
 @pytest.mark.parametrize("width", [60, 80, 100, 140])
-def test_fits_and_no_number_is_cut(width, warps):
-    rows = some_rows(warps, latencies=(200.0, 800.0))
+def test_fits_and_nothing_is_cut(width):
+    rows = some_rows(SPECS, latencies=(200.0, 800.0))
     long = {stage: {"median": 12345.678, "p95": 23456.789} for stage in ("warp", "fill", "lens", "total")}
-    rows[0] = a_row("none", "none", time_ms=long)
+    rows += [a_row("none", "none", time_ms=long), a_row("[bold]x[/bold]", trace="[red]t.csv")]
     text = printed(rows, width)
     assert max(map(len, text.splitlines())) <= width
-    assert "…" not in text and len(body(text)) == len(rows)
-    assert text.count("12345.68") == 1
-    for name in warps:  # whole, though maybe in several lines
-        assert all(part in text for part in re.split(r"(?<=[:,])", name))
-
-
-def test_no_width_cuts_a_head_and_names_are_no_markup():
-    """The longest piece of a name here is nine letters."""
-    rows = [a_row("iterative", "pyramid", trace="deg", latency_ms=latency) for latency in (100.0, 200.0)]
-    for width in range(60, 101):
-        assert "…" not in printed(rows, width), width
-    text = printed([a_row("[bold]x[/bold]", trace="[red]t.csv")]).replace("\n", "")
-    assert "[bold]x[/bold]" in text and "[red]t.csv" in text
+    letters = re.sub(r"\s", "", text)
+    assert "…" not in text and letters.count("12345.68") == 1 and "t.csv" in letters
+    if width > 80:  # names are no markup, and stand in one piece
+        assert [name for name in (*SPECS, "[bold]x[/bold]", "[red]t.csv") if name not in text] == []
 
 
 def test_a_baseline_is_marked_with_its_system_and_a_spread_is_that_where_nothing_was_cut():
@@ -55,15 +45,6 @@ def test_a_baseline_is_marked_with_its_system_and_a_spread_is_that_where_nothing
     assert "mesh:grid=64 (CloudXR.js)" in printed(rows, 140)
     near_the_end = {"quality": {"ssim": {"mean": 0.99, "interval": [0.9, 1.0]}}}
     assert COLUMNS["ssim_spread"].value(near_the_end) == pytest.approx(0.09)
-
-
-def test_columns_are_dropped_in_order_and_named():
-    rows = some_rows()
-    wide, narrow = printed(rows, 100), printed(rows, 70)
-    heads = ("p95", "SSIM", "flicker", "mis%", "holes%", "PSNR", "FLIP")
-    assert "left out" not in wide and [word for word in heads if word not in wide] == []
-    assert "columns hidden (terminal too narrow): p95" in narrow and "FLIP" in narrow and "holes%" in narrow
-    assert len(body(printed(rows, 48))) == len(rows)  # the least there is: warp, fill, ms and FLIP
 
 
 def test_each_case_begins_with_its_best_and_marks_its_front():
@@ -101,14 +82,13 @@ def test_rows_with_other_conditions_are_another_case_and_one_case_needs_no_headi
 def test_an_unmeasured_row_is_a_dash_and_comes_last():
     nothing = a_row("rotation", **aggregate([]), mismatch=None, regions={})
     text = printed([nothing, a_row()])
-    assert len(re.findall("–", text)) == 9
+    assert len(re.findall("–", text)) == 6
     assert text.index("forward") < text.index("rotation")
 
 
 def test_every_column_has_a_text_for_every_row():
     for row in (a_row(), a_row(**aggregate([]), mismatch=None, regions=None, size=None)):
         assert all(isinstance(column.text(row), str) and column.text(row) for column in COLUMNS.values())
-    assert set(DECISION) <= set(COLUMNS)
 
 
 def test_a_lead_within_the_noise_is_not_marked_and_too_few_instants_mark_nothing():
@@ -152,7 +132,6 @@ def test_a_lead_that_holds_wins_one_that_does_not_ties_and_a_metric_that_disagre
     assert told["disagree"][0]["difference"] == pytest.approx(2) and told["disagree"][0]["best"] == "rotation"
     text = verdict_text(told)
     assert "a tie by FLIP: layered and rotation." in text and "But PSNR favours rotation by 2.00 dB (95 %:" in text
-    assert case.within(best["time_ms"]["total"]["median"] - 1e-9).verdict()["best"] == ["rotation"]
     few = [_of_few_instants(row) for row in case.rows]
     assert "no winner: intervals need 6 instants" in verdict_text(cases(few)[0].verdict())
     assert cases([{**row, "lacks": "compute"} for row in case.rows])[0].verdict()["best"] == []

@@ -8,35 +8,25 @@ real screen.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import nullcontext
 from unittest.mock import patch
 
 import attrs
 import numpy as np
 
-from hmdwarp.display import Closed, Command, DisplayOptions, Label, Lost, Tick, offscreen
+from hmdwarp.display import Closed, Command, DisplayOptions, Label, Tick, offscreen
 from hmdwarp.gpu import Gpu
 from hmdwarp.poses import LoopedSource, PoseSample, PoseTrack, synthesise
 from hmdwarp.run import LiveOptions
 from hmdwarp.run import live_run as run
 
 SIZE, RATE_HZ, PERIOD_NS = (96, 120), 100.0, 10_000_000
-READ_NS, SUBMITTED_NS = (
-    1_000_000,
-    3_000_000,
-)  # after a tick's beginning: when the head is read, and when its picture is handed over
+READ_NS, SUBMITTED_NS = 1_000_000, 3_000_000  # after a tick's beginning: of the head, of handing its picture over
 
 
 class LiveHead(LoopedSource):
     """Whoever asks has read it a little later than the refresh began."""
-
-    def __init__(self, track: PoseTrack, now_ns: Callable[[], int]) -> None:
-        super().__init__(track, now_ns)
-        self.started = 0
-
-    def start(self) -> None:
-        self.started += 1
 
     def head_at(self, time_ns: int) -> PoseSample:
         sample = super().head_at(time_ns)
@@ -65,27 +55,21 @@ class OffscreenDisplay(offscreen.OffscreenDisplay):
         keeps: bool = False,
     ) -> None:
         track = track if track is not None else synthesise("look-around", seed=1, seconds=4)
-        self.views: list[str] = []
         super().__init__(DisplayOptions("rift-dk1", size=size, view=view, trace=track, rate_hz=RATE_HZ), gpu)
         self.source = LiveHead(track, self.now_ns)
         self._events, self._asked, self._back_after, self._keeps = events or {}, asked or {}, back_after, keeps
         self._number = -1
-        self.lost = self.closed = 0
+        self.closed = 0
         self.labels: list[Label] = []
         self.said: list[str] = []
         self.pictures: list[np.ndarray] = []
         self.statuses: list[object] = []
-
-    def set_view(self, view: str) -> None:
-        super().set_view(view)
-        self.views.append(view)
 
     def wait(self) -> Tick | None:
         self._number += 1
         tick = super().wait()
         event = self._events.get(self._number, tick)
         if isinstance(event, BaseException):
-            self.lost += isinstance(event, Lost)
             raise event
         return event and attrs.evolve(event, shown_ns=tick.shown_ns, period_ns=tick.period_ns)
 

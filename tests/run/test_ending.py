@@ -9,12 +9,13 @@ import subprocess
 import sys
 import textwrap
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
 from hmdwarp.errors import MachineError
-from hmdwarp.run import Ending, LiveOptions, Watchdog
+from hmdwarp.run import Ending, LiveOptions
 from hmdwarp.run.live_run import GarbageControl
 
 from .offscreen import OffscreenDisplay, run_on
@@ -35,25 +36,15 @@ def handlers():
         signal.signal(number, handler)
 
 
-def test_after_so_many_pictures():
-    one = Ending(None, 3)
-    assert [one.due(count) for count in (0, 1, 2, 3, 4)] == [False, False, False, True, True]
-
-
-def test_after_so_long_from_the_first_picture_on():
+def test_a_run_ends_after_so_many_pictures_or_so_long_from_the_first_one_on():
     """However long the first frame was under way, and by the display's clock."""
-    now = [100.0]
-    one = Ending(2.0, None)
-    one.now_ns = lambda: round(now[0] * 1e9)
+    by_count, by_time, now = Ending(None, 3), Ending(2.0, None), [100.0]
+    assert [by_count.due(count) for count in (0, 1, 2, 3, 4)] == [False, False, False, True, True]
+    by_time.now_ns = lambda: round(now[0] * 1e9)
     told = []
-    for now_s, count in ((100, 0), (200, 0), (200, 1), (201.9, 2), (202, 3)):
-        now[0] = float(now_s)
-        told.append(one.due(count))
-    assert told == [False, False, False, False, True]
-
-
-def test_never_by_itself():
-    assert not Ending(None, None).due(10**9)
+    for now[0], count in ((100.0, 0), (200.0, 0), (200.0, 1), (201.9, 2), (202.0, 3)):
+        told.append(by_time.due(count))
+    assert told == [False, False, False, False, True] and not Ending(None, None).due(10**9)
 
 
 @pytest.mark.parametrize("number", ASKING)
@@ -90,42 +81,24 @@ def test_nohup_is_obeyed(handlers):
 # --- whole runs
 
 
-def test_ctrl_c_ends_a_run_after_the_refresh_under_way(monkeypatch, handlers, tmp_path):
-    """Every tick was answered by a picture, the recording and the log are whole, the display was
-    closed.
+@pytest.mark.parametrize("signals", [[signal.SIGINT], [signal.SIGTERM], [signal.SIGINT] * 2], ids=str)
+def test_a_signal_ends_a_run_after_the_refresh_under_way(monkeypatch, handlers, tmp_path, signals):
+    """Every tick got a picture, recording and log are whole, the display was closed; who
+    sends another one than Ctrl-C gets it.
     """
     display, out, recording = OffscreenDisplay(), tmp_path / "out", tmp_path / "head.csv"
-    stop = lambda number: os.kill(os.getpid(), signal.SIGINT) if number == 4 else None  # noqa: E731
-    result = run_on(monkeypatch, display, LiveOptions(**PLAIN, out=out, record=recording), after=stop)
-    assert display.closed == 1
-    assert len(display.labels) == 4
-    assert result.summary["frames"] == 4
-    assert len((out / "frames.csv").read_text().splitlines()) == 1 + 2 * 4
-    assert sum(not line.startswith(("#", "time")) for line in recording.read_text().splitlines()) == 4
-    assert handlers == []
-
-
-def test_sigterm_ends_the_program_when_all_is_written(monkeypatch, handlers, tmp_path):
-    display, out = OffscreenDisplay(), tmp_path / "out"
-    stop = lambda number: os.kill(os.getpid(), signal.SIGTERM) if number == 2 else None  # noqa: E731
-    run_on(monkeypatch, display, LiveOptions(**PLAIN, out=out), after=stop)
-    assert handlers == [signal.SIGTERM]
-    assert (out / "summary.json").is_file()
-    assert display.closed == 1
-
-
-def test_an_impatient_ctrl_c_still_closes_the_display(monkeypatch, handlers, tmp_path):
-    display, recording = OffscreenDisplay(), tmp_path / "head.csv"
 
     def stop(number: int) -> None:
-        if number == 3:
-            os.kill(os.getpid(), signal.SIGINT)
-            os.kill(os.getpid(), signal.SIGINT)
+        for one in signals if number == 4 else ():
+            os.kill(os.getpid(), one)
 
-    with pytest.raises(KeyboardInterrupt):
-        run_on(monkeypatch, display, LiveOptions(**PLAIN, record=recording), after=stop)
-    assert display.closed == 1
-    assert sum(not line.startswith(("#", "time")) for line in recording.read_text().splitlines()) == 3
+    options = LiveOptions(**PLAIN, out=out, record=recording)
+    with pytest.raises(KeyboardInterrupt) if len(signals) > 1 else nullcontext():
+        result = run_on(monkeypatch, display, options, after=stop)
+        assert len(display.labels) == 4 == result.summary["frames"]
+    assert display.closed == 1 and len((out / "frames.csv").read_text().splitlines()) == 1 + 2 * 4
+    assert sum(not line.startswith(("#", "time")) for line in recording.read_text().splitlines()) == 4
+    assert handlers == [one for one in signals if one != signal.SIGINT]
 
 
 def test_garbage_is_frozen_for_a_run_unless_the_program_has_frozen_its_own(monkeypatch):
@@ -171,33 +144,26 @@ def ended(body: str, tmp_path: Path) -> tuple[int, str, str]:
     return program.returncode, out, error
 
 
-HANGS = """
-with Watchdog({limit}, {words}) as dog:
-    with dog.watching('xrWaitFrame'):
-        ctypes.CDLL(None).pause()
-"""
-
-
 def test_a_call_that_blocks_in_c_ends_the_program_with_one_line(tmp_path):
-    words = "[lambda: open('saved', 'w').write('poses') and 'the recording is in saved', lambda: '']"
-    status, _, error = ended(HANGS.format(limit=0.3, words=words), tmp_path)
-    assert status == MachineError.exit_status == 3
+    """Last words that hang or fail keep nobody: the others are said all the same."""
+    body = """
+        module.LAST_WORDS_S = 2
+        sys.stdout.write("unflushed")
+        last = [
+            lambda: ctypes.CDLL(None).pause(), lambda: 1 / 0, lambda: sys.exit(5), lambda: "",
+            lambda: open("saved", "w").write("poses") and "the recording is in saved",
+        ]
+        with Watchdog(0.3, last) as dog:
+            with dog.watching("xrWaitFrame"):
+                ctypes.CDLL(None).pause()
+        """
+    status, out, error = ended(body, tmp_path)
+    assert status == MachineError.exit_status == 3 and out == "unflushed"
     assert error == (
         "hmdwarp: the OpenXR runtime has not answered xrWaitFrame for 0.3 s: it hangs; end its service, start it "
-        "again, "
-        "then try once more; the recording is in saved\n"
+        "again, then try once more; the recording is in saved\n"
     )
     assert (tmp_path / "saved").read_text() == "poses"
-
-
-def test_last_words_that_hang_or_fail_keep_nobody(tmp_path):
-    """The others are said all the same, and what was printed before is not lost."""
-    words = "[lambda: ctypes.CDLL(None).pause(), lambda: 1 / 0, lambda: sys.exit(5), lambda: 'the log is in out']"
-    body = "module.LAST_WORDS_S = 2\nsys.stdout.write('unflushed')\n" + HANGS.format(limit=0.2, words=words)
-    status, out, error = ended(body, tmp_path)
-    assert (status, out) == (3, "unflushed")
-    assert error.count("\n") == 1
-    assert error.endswith("once more; the log is in out\n")
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no SIGSTOP on this system")
@@ -283,9 +249,3 @@ def test_many_calls_that_come_back_are_no_hang(tmp_path):
         print(threading.active_count())
         """
     assert ended(body, tmp_path) == (0, "1\n", "")
-
-
-def test_watching_a_call_makes_nothing_and_takes_no_lock():
-    dog = Watchdog(5, [])
-    assert dog.watching("xrWaitFrame") is dog.watching("xrWaitFrame")
-    assert dog.watching("xrWaitFrame") is not dog.watching("xrEndFrame")

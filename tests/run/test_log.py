@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import gc
 import json
 import threading
 import tracemalloc
@@ -13,18 +12,18 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image
 from replays import contents, rows_of
-from scipy.spatial.transform import Rotation, Slerp
 
 from hmdwarp.display import Command, Lost, Tick
 from hmdwarp.errors import MachineError
 from hmdwarp.gpu import Canvas, download, flip_rows, upload
-from hmdwarp.poses import PoseTrack, quaternions
+from hmdwarp.poses import quaternions
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
 from hmdwarp.run import HoleCounter, LiveLog, LiveOptions
 from hmdwarp.run import live_log as log
-from hmdwarp.run.frame_rows import angle_between
-from hmdwarp.run.live_log import MissTally, Pauses, Thinned
+from hmdwarp.run.live_log import Thinned
+from hmdwarp.run.run_summary import angle_between
 
 from .offscreen import PERIOD_NS, READ_NS, SUBMITTED_NS, OffscreenDisplay, closed_at, run_on
 
@@ -36,15 +35,11 @@ SMALL = {
 
 @attrs.define
 class Seen:
-    """What a log was told, copied while the pictures were there.
-
-    The refresh; of each eye the share of pixels without coverage, and the depth of the late frame.
-    """
+    """What a log was told: refreshes, and of each eye the share of pixels without coverage."""
 
     logs: list = attrs.field(factory=list)
     refreshes: list = attrs.field(factory=list)
     holes: list = attrs.field(factory=list)
-    depths: list = attrs.field(factory=list)
 
 
 @pytest.fixture
@@ -55,7 +50,6 @@ def seen(monkeypatch) -> Seen:
         found.logs.append(self)
         if refresh is not None:
             found.refreshes.append(refresh)
-            found.depths.append([download(inputs.rendered.inverse_depth) for inputs in refresh.inputs])
             warped = [eye.warped for eye in refresh.eyes if eye.warped is not None]
             found.holes.append([float((download(result.texture)[..., 3] == 0).mean()) for result in warped])
         add(self, tick, refresh, submitted_ns, notice)
@@ -122,13 +116,11 @@ def test_the_summary_is_a_replay_s_and_more(monkeypatch, tmp_path, seen):
     # A hundred pictures a second came.
     assert link["mbit_s"] == pytest.approx(link["frame_bytes"] * 8 * 100 / 1e6)
     live = summary["live"]
-    assert {"display": "offscreen", "trace": "look-around"}.items() <= live["about"].items() and live[
-        "budget_ms"
-    ] == 10.0
+    assert {"display": "offscreen", "trace": "look-around"}.items() <= live["about"].items()
+    assert live["budget_ms"] == 10.0
     assert live["pose_age_ms"] == {"median": 2.0, "p95": 2.0} and live["period_ms"]["median"] == 10.0
     both = [float(a["total_ms"]) + float(b["total_ms"]) for a, b in zip(rows[::2], rows[1::2], strict=True)]
     assert live["refresh_ms"]["total"]["median"] > np.median(both) > live["refresh_ms"]["warp"]["median"] > 0
-    assert live["garbage_collector"]["between"] and live["garbage_collector"]["collections"][0] >= len(rows) // 2 - 1
 
 
 def test_pictures_are_those_that_were_handed_over(monkeypatch, tmp_path):
@@ -138,44 +130,26 @@ def test_pictures_are_those_that_were_handed_over(monkeypatch, tmp_path):
     kept = range(0, len(shown), 4)
     assert names == [f"frame-{number:06d}-{eye}.png" for number in kept for eye in ("left", "right")]
     for number in kept:
-        halves = [read_png(tmp_path / "out" / "images" / f"frame-{number:06d}-{eye}.png") for eye in ("left", "right")]
+        files = [tmp_path / "out" / "images" / f"frame-{number:06d}-{eye}.png" for eye in ("left", "right")]
+        halves = [np.asarray(Image.open(file)) for file in files]
         window = flip_rows(shown[number]).astype(int)
         # A shader's powers and NumPy's table: each rounds to the nearest of 255 levels, seldom to
         # different ones.
         assert np.abs(np.concatenate(halves, axis=1).astype(int) - window).max() <= 1
 
 
-def read_png(path):
-    from PIL import Image
-
-    return np.asarray(Image.open(path))
-
-
-def test_pictures_have_an_end(monkeypatch, tmp_path):
-    monkeypatch.setattr(log, "Pictures", functools.partial(log.Pictures, most=2))
-    result, _ = go(monkeypatch, tmp_path / "out", options={"images_every": 1})
-    assert len(list((tmp_path / "out" / "images").iterdir())) == 4
-    assert any("2 pictures were kept: the limit" in note for note in result.summary["notes"])
-
-
-@pytest.mark.parametrize("every", [1, 5])
-def test_a_second_without_most_of_its_pictures_is_told_once(monkeypatch, tmp_path, every):
-    events = {number: None for number in range(160) if number % every}
-    _, display = go(monkeypatch, tmp_path / "out", {**events, **closed_at(250)})
-    told = [line for line in display.said if "got a picture" in line]
-    assert len(told) == (every > 1)
-    assert all("20 of 100 refreshes" in line and "--size" in line and "--warp auto" in line for line in told)
-
-
 def test_events_are_listed(monkeypatch, tmp_path):
     events = {
         8: Tick(0, 0, render=False), 9: Tick(0, 0, missed=2, notice="tracking lost"), 10: Lost("the runtime is gone"),
+        16: Tick(0, 0, missed=1),
         12: None, **closed_at(30),
     }  # fmt: skip
     asked = {14: [Command("latency", 50.0)], 18: [Command("warp", "rotation")], 22: [Command("fill", "no such fill")]}
     result, display = go(monkeypatch, tmp_path / "out", events, asked=asked, back_after=0)
     live = result.summary["live"]
-    assert (live["missed"], live["unseen"], live["lost"][0]["why"]) == (2, 1, "the runtime is gone")
+    assert (live["missed"], live["unseen"], live["lost"][0]["why"]) == (3, 1, "the runtime is gone")
+    missed = {"stale_share": 3 / (3 + live["refreshes"]), "longest_stale": 2, "budget_ms": 10.0}
+    assert result.summary["miss"] == pytest.approx(missed)
     assert live["lost"][0]["away_s"] >= 0 and live["notices"]["tracking lost"] == 1
     assert live["waiting"] == live["notices"]["waiting for the first frame"] > 0
     assert live["refreshes"] + live["waiting"] + live["unseen"] == 30 - 2
@@ -186,62 +160,9 @@ def test_events_are_listed(monkeypatch, tmp_path):
     ages = {float(row["age_ms"]) for row in rows_of(tmp_path / "out")}
     assert result.summary["latency_ms"] == 30.0 and max(ages) == pytest.approx(50.0)
     told = "\n".join(result.describe())
-    assert (
-        "; 2 missed (" in told
-        and "at most 2 in a row)" in told
-        and "Settings were changed 2 times" in told
-        and "the runtime is gone" in told
-    )
-    assert display.statuses[-1].missed == 2
-
-
-def off_deg(seen, number: int, share: float, *, turned: bool) -> float:
-    """How far off things are seen in a picture on the way to the next, over all pixels."""
-    angles, pair = [], (seen.refreshes[k].inputs for k in (number, number + 1))
-    for depth, then, now in zip(seen.depths[number], *pair, strict=True):
-        ways = then.rendered.view.pose.rotation.apply(then.rendered.view.rays(depth.shape[::-1])[depth >= 0])
-        eye, near = then.rendered.view.pose.position_m, depth[depth >= 0][:, None]
-        a, b = then.shown.pose, now.shown.pose
-        turn = Slerp([0, 1], Rotation.concatenate([a.rotation, b.rotation]))(share)
-        place = a.position_m + share * (b.position_m - a.position_m)
-        was, is_now = (ways + (eye - at) * near for at in (a.position_m, place))
-        if not turned:
-            was, is_now = a.rotation.inv().apply(was), turn.inv().apply(is_now)
-        cosine = (was * is_now).sum(axis=1) / np.linalg.norm(was, axis=1) / np.linalg.norm(is_now, axis=1)
-        angles.append(np.degrees(np.arccos(np.clip(cosine, -1, 1))))
-    return float(np.sqrt(np.mean(np.concatenate(angles) ** 2)))
-
-
-def moving(m_s: float, deg_s: float) -> PoseTrack:
-    """A head that walks to the right and turns to the left, evenly."""
-    seconds = np.arange(41) / 10
-    turn = Rotation.from_rotvec(np.radians(deg_s) * seconds[:, None] * (0, 1, 0))
-    place = np.stack([m_s * seconds, np.full(41, 1.6), np.zeros(41)], axis=1)
-    return PoseTrack(time_ns=(seconds * 1e9).astype(np.int64), position_m=place, orientation_xyzw=turn.as_quat())
-
-
-@pytest.mark.parametrize(("turned", "m_s", "deg_s"), [(False, 0.6, 20.0), (True, 0.6, 20.0), (True, 0.0, 20.0)])
-def test_misses_are_told_with_what_they_cost(monkeypatch, tmp_path, seen, turned, m_s, deg_s):
-    monkeypatch.setattr(log._Running, "turns", turned)
-    # Two refreshes pass after the second picture, by the display's time too.
-    gap = [Tick(0, PERIOD_NS), Tick(0, PERIOD_NS, render=False), Tick(0, PERIOD_NS, render=False)]
-    events = {**{10 + k: tick for k, tick in enumerate(gap)}, 13: Tick(0, PERIOD_NS, missed=2), **closed_at(20)}
-    result, _ = go(monkeypatch, tmp_path / "out", events, track=moving(m_s, deg_s))
-    rows = rows_of(tmp_path / "out")[::2]
-    after = next(k for k in range(1, len(rows)) if float(rows[k]["time_s"]) - float(rows[k - 1]["time_s"]) > 0.02)
-    stale = [False] * after + [True] * 2 + [False] * (len(rows) - after)
-    missed = [off_deg(seen, after - 1, k / 3, turned=turned) for k in (1, 2)]
-    off = [0.0] * after + missed + [0.0] * (len(rows) - after)
-    entry = result.summary["miss"]
-    # A grid of points beside all pixels.
-    tally = MissTally()
-    for pair in zip(stale, off, strict=True):
-        tally.add(*pair)
-    expected = tally.as_dict()
-    assert {name: entry[name] for name in expected} == pytest.approx(expected, rel=0.1, abs=1e-6)
-    assert entry["longest_stale"] == 2 and entry["show"] == ("turned" if turned else "stands")
-    assert entry["judder_deg"] > (0.01 if m_s else 0)
-    assert result.summary["live"]["missed"] == 2
+    for text in ("Missed refreshes:", "at most 2 in a row", "Settings were changed 2 times", "the runtime is gone"):
+        assert text in told
+    assert display.statuses[-1].missed == 3
 
 
 def test_a_view_of_one_eye_has_one_row(monkeypatch, tmp_path):
@@ -266,13 +187,8 @@ def test_without_a_folder_nothing_is_written_and_all_is_told(monkeypatch, tmp_pa
     result, display = go(monkeypatch, None)
     validate_summary(result.summary)
     assert result.folder is None and not list(tmp_path.iterdir())
-    told = result.describe()
-    assert (
-        told[0].startswith("shown")
-        and "a second" in told[0]
-        and "of 10.00 ms" in "".join(told)
-        and "report" not in "".join(told)
-    )
+    told = "".join(result.describe())
+    assert told.startswith("shown") and "of 10.00 ms" in told and "report" not in told
     status = display.statuses[-1]
     assert len(status.age_ms) == len(status.pose_age_ms) == result.summary["frames"]
     assert len(status.total_ms) == len(status.holes) == len(status.period_ms) + 1 == result.summary["frames"]
@@ -336,20 +252,10 @@ def test_a_watchdog_s_thread_can_finish_it_while_the_loop_hangs(monkeypatch, tmp
     validate_summary(result.summary)
 
 
-def test_the_page_is_there_and_escapes_what_it_is_told(monkeypatch, tmp_path):
-    display = OffscreenDisplay(events={5: Tick(0, 0, notice="<b>lost</b>"), **closed_at(20)})
-    display.about["headset"] = "<i>X</i> & Y"
-    options = LiveOptions(**SMALL, out=tmp_path / "out", command="hmdwarp live --out '<out>'")
-    run_on(monkeypatch, display, options, page=True)
+def test_the_page_is_there_and_nothing_hidden(monkeypatch, tmp_path):
+    go(monkeypatch, tmp_path / "out", {5: Tick(0, 0, notice="<b>lost</b>"), **closed_at(20)}, page=True)
     page = (tmp_path / "out" / "report.html").read_text().replace("<wbr>", "")
-    assert (
-        "&lt;i&gt;X&lt;/i&gt; &amp; Y" in page
-        and "<i>X" not in page
-        and "<b>lost" not in page
-        and "&lt;out&gt;" in page
-    )
-    assert page.count("<svg") == 6 and "<h2>Time per refresh</h2>" in page and "Pose age at frame submission" in page
-    # And nothing hidden.
+    assert page.count("<svg") == 6 and "<h2>Time per refresh</h2>" in page and "<b>lost" not in page
     assert sorted(contents(tmp_path / "out")) == ["frames.csv", "report.html", "summary.json"]
 
 
@@ -390,7 +296,7 @@ def test_kept_rows_are_evenly_spaced(count, half):
     most = 2 * half
     table = Thinned(("number", "square"), most)
     for number in range(count):
-        table.add((number, number * number))
+        table.add({"number": number, "square": number * number})
     kept = table.column("number")
     assert kept.tolist() == list(range(0, count, table.every))
     assert table.column("square").tolist() == [number * number for number in kept]
@@ -399,28 +305,9 @@ def test_kept_rows_are_evenly_spaced(count, half):
 
 def test_unmeasured_rows_are_left_out():
     table = Thinned(("a", "b"))
-    for row in ((1, np.nan), (np.nan, np.nan), (2, 3)):
+    for row in ({"a": 1, "b": None}, {}, {"a": 2, "b": 3}):
         table.add(row)
     assert table.measured("a", "b").tolist() == [1, 2, 3] and np.isnan(table.column("b")[:2]).all()
-
-
-def test_pauses_are_those_between_start_and_stop():
-    pauses = Pauses()
-    gc.collect()
-    pauses.start()
-    try:
-        gc.collect(0)
-        gc.collect(0)
-        gc.collect(2)
-    finally:
-        pauses.stop()
-        pauses.stop()
-    gc.collect()
-    told = pauses.as_dict()
-    assert (
-        told["collections"][0] >= 2 and told["collections"][2] == 1
-    )  # Python may find it is time for a young one by itself
-    assert 0 < told["longest_ms"] <= told["total_ms"]
 
 
 @given(st.lists(st.floats(-1, 1), min_size=8, max_size=8))
@@ -429,17 +316,6 @@ def test_the_angle_in_plain_floats_is_that_of_the_arrays(values):
     a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
     # 4 atan2 of lengths that are off by a unit in the last place each: 1e-15 of an angle up to pi
     assert abs(angle_between(a.tolist(), (-b).tolist()) - quaternions.angle_between(a, b)) < 1e-14
-
-
-@given(st.lists(st.booleans(), min_size=1), st.floats(0, 90))
-def test_the_figures_of_a_head_that_is_always_as_far_off(stale, off):
-    tally = MissTally()
-    for one in stale:
-        tally.add(one, off)
-    figures = tally.as_dict()
-    assert figures["stale_share"] * len(stale) == pytest.approx(stale.count(True))
-    assert figures["longest_stale"] <= stale.count(True)
-    assert figures["judder_deg"] == 0
 
 
 @pytest.fixture
@@ -464,12 +340,12 @@ def picture(gpu, seed: int, size: tuple[int, int], share: float) -> tuple[Canvas
 
 
 @pytest.mark.parametrize("size", [(1, 1), (63, 7), (64, 8), (65, 9), (131, 97)])
-@pytest.mark.parametrize("share", [0, 0.01, 0.5, 1])
-def test_every_hole_is_counted_once(gpu, counter, size, share):
-    canvas, wanted = picture(gpu, 1, size, share)
-    counter.count([canvas])
-    counter.count([canvas])
-    assert counter.shares() == (wanted,)
+def test_every_hole_is_counted_once(gpu, counter, size):
+    for share in (0, 0.01, 0.5, 1):
+        canvas, wanted = picture(gpu, 1, size, share)
+        counter.count([canvas])
+        counter.count([canvas])
+        assert counter.shares() == (wanted,)
 
 
 def test_it_tells_the_refresh_before_of_each_eye(gpu, counter):

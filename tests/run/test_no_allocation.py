@@ -40,15 +40,9 @@ def test_a_refresh_makes_nothing_on_the_gpu(gpu, monkeypatch, chosen):
     display = OffscreenDisplay(gpu=gpu, size=(64, 80))
     seen: dict[int, tuple[Counter[str], int]] = {}
     with counting_made() as made:
-        options = LiveOptions(
-            **{"headset": "rift-dk1", "samples": 1, **chosen}, latency_ms=100, pictures=WARM + THEN_ON_GPU
-        )
-        run_on(
-            monkeypatch,
-            display,
-            options,
-            after=lambda number: seen.update({number: (Counter(made), len(gpu.gl.objects))}),
-        )
+        usual = {"headset": "rift-dk1", "samples": 1, "latency_ms": 100, "pictures": WARM + THEN_ON_GPU}
+        count = lambda number: seen.update({number: (Counter(made), len(gpu.gl.objects))})  # noqa: E731
+        run_on(monkeypatch, display, LiveOptions(**{**usual, **chosen}), after=count)
     (before, kept), (after, kept_after) = seen[WARM], seen[WARM + THEN_ON_GPU]
     assert after - before == Counter()
     assert kept_after == kept, "moderngl keeps what died until the context is closed"
@@ -65,10 +59,8 @@ def test_a_refresh_leaves_no_objects_behind(gpu, monkeypatch, tmp_path, beside):
     of each length).
     """
     written = {"record": tmp_path / "walk.csv", "out": tmp_path / "out"} if beside == "files" else {}
-    begin, end = (
-        KEPT + WARM,
-        KEPT + WARM + 2 * THEN,
-    )  # the plots keep so many refreshes: what comes after them must go as it came
+    # The plots keep so many refreshes: what comes after them must go as it came.
+    begin, end = KEPT + WARM, KEPT + WARM + 2 * THEN
     containers: dict[int, int] = {}
     blocks: dict[int, int] = {}
 

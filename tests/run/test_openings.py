@@ -51,35 +51,23 @@ MANIFESTS = {
 }
 
 
-@pytest.fixture(params=MANIFESTS)
-def absent(request, monkeypatch, tmp_path) -> str:
-    """A runtime that cannot be loaded is the active one; what must be told of it."""
-    text, told = MANIFESTS[request.param]
+@pytest.mark.parametrize("case", MANIFESTS)
+def test_why_there_is_no_headset_and_no_window_is_told(case, monkeypatch, tmp_path):
+    text, told = MANIFESTS[case]
     path = tmp_path / "runtime.json"
     if text is not None:
         path.write_text(text, encoding="utf-8")
     monkeypatch.setenv("XR_RUNTIME_JSON", str(path))
-    return told
-
-
-def test_source_openxr_reports_why_there_is_no_headset(absent):
-    with pytest.raises(MachineError) as caught:
-        opened(source="openxr")
-    assert str(caught.value).startswith("no OpenXR runtime: XR_RUNTIME_JSON names ")
-    assert absent in str(caught.value)
-    assert str(caught.value).endswith("--source desktop")
-    assert caught.value.exit_status == 3
-
-
-def test_with_neither_both_reasons_are_told(absent):
-    with pytest.raises(MachineError) as caught:
-        opened(source="auto")
-    told = str(caught.value)
-    assert told.startswith("neither headset nor window: no OpenXR runtime: ")
-    assert absent in told
-    assert "and no window: neither DISPLAY nor WAYLAND_DISPLAY is set" in told
-    assert told.endswith("or show it nowhere: --source offscreen")
-    assert caught.value.exit_status == 3
+    no_window = "and no window: neither DISPLAY nor WAYLAND_DISPLAY is set"
+    for source, begins, more, ends in (
+        ("openxr", "", "", "--source desktop"),
+        ("auto", "neither headset nor window: ", no_window, "or show it nowhere: --source offscreen"),
+    ):
+        with pytest.raises(MachineError) as caught:
+            opened(source=source)
+        said = str(caught.value)
+        assert said.startswith(f"{begins}no OpenXR runtime: XR_RUNTIME_JSON names ") and said.endswith(ends)
+        assert told in said and more in said and caught.value.exit_status == 3
 
 
 def test_a_display_is_told_what_it_must_know():

@@ -44,6 +44,8 @@ def test_a_recording_reads_back_bit_for_bit(tmp_path):
     loaded = load_trace(tmp_path / "a.csv")
     assert loaded.format == "native" and not loaded.defects
     track = loaded.track
+    assert track.origin == "hmdwarp live, Monado 25.0, headset 'Simulated HMD'"
+    assert origin_of("hmdwarp record", {"runtime": "", "window": "X11"}) == "hmdwarp record, window 'X11'"
     assert track.epoch_ns == heads[0].time_ns
     assert (track.time_ns == [h.time_ns - heads[0].time_ns for h in heads]).all()
     assert (track.position_m == [h.pose.position_m for h in heads]).all()
@@ -51,22 +53,11 @@ def test_a_recording_reads_back_bit_for_bit(tmp_path):
     assert told == [f"{tmp_path / 'a.csv'}: 200 poses, 2.211 s"]
 
 
-def test_the_header_names_runtime_and_headset(tmp_path):
-    record(tmp_path / "a.csv", samples(2))
-    assert load_trace(tmp_path / "a.csv").track.origin == "hmdwarp live, Monado 25.0, headset 'Simulated HMD'"
-    assert origin_of("hmdwarp record", {"runtime": "", "window": "X11"}) == "hmdwarp record, window 'X11'"
-
-
-def test_an_existing_file_is_never_touched(tmp_path):
-    (tmp_path / "a.csv").write_text("precious")
-    with pytest.raises(InputError, match="exists already.*--force"):
-        Recorder(tmp_path / "a.csv")
-    assert (tmp_path / "a.csv").read_text() == "precious"
-
-
-def test_a_forced_recording_that_never_begins_leaves_the_old_one(tmp_path):
+def test_an_existing_file_is_never_touched_and_kept_where_a_forced_recording_never_begins(tmp_path):
     """As where no headset answers."""
     (tmp_path / "a.csv").write_text("precious " * 1000)
+    with pytest.raises(InputError, match="exists already.*--force"):
+        Recorder(tmp_path / "a.csv")
     with pytest.raises(MachineError), Recorder(tmp_path / "a.csv", force=True):
         raise MachineError("no headset")
     assert (tmp_path / "a.csv").read_text() == "precious " * 1000
@@ -82,9 +73,8 @@ def test_an_early_end_saves_the_trace_so_far(tmp_path):
         for head in samples(count):
             recorder.add(head)
     assert one.save() == "" and two.save() == f"the recording until then is in {tmp_path / 'two.csv'}"
-    assert [path.name for path in tmp_path.iterdir()] == ["two.csv"] and len(
-        load_trace(tmp_path / "two.csv").track
-    ) == 2
+    assert [path.name for path in tmp_path.iterdir()] == ["two.csv"]
+    assert len(load_trace(tmp_path / "two.csv").track) == 2
     for recorder in (one, two):
         with recorder:
             pass
@@ -116,9 +106,8 @@ def test_held_poses_make_a_gap(tmp_path):
     heads = [attrs.evolve(h, origin=Origin.HELD) if 20 <= k < 60 else h for k, h in enumerate(samples(80))]
     told = record(tmp_path / "a.csv", heads)
     track = load_trace(tmp_path / "a.csv").track
-    assert (
-        len(track) == 40 and track.broken.sum() == 1
-    )  # 41 steps of 11 ms are longer than what is interpolated, 100 ms
+    # 41 steps of 11 ms are longer than what is interpolated, 100 ms.
+    assert len(track) == 40 and track.broken.sum() == 1
     assert "40 held (tracking lost)" in told[0]
 
 

@@ -17,10 +17,20 @@ from scipy.stats import binom, t
 
 from hmdwarp.study.analysis.findings import Resampling, condition_rows, order_effects, preference_results
 from hmdwarp.study.design import Comparison, Design, design_from_text, load_design
-from hmdwarp.study.respondents import Model, Population, SicknessModel, load_model, model_from_text
+from hmdwarp.study.respondents import Model, SicknessModel, load_model, model_from_text
 from hmdwarp.study.statistics import JOD_SPREAD, attained_level, bca, hodges_lehmann, holm, wilcoxon_exact
 
-from .analysis.tables import SCORES, differences, in_order, judges, pairs_of, simulate_study, simulated, unlimited
+from .analysis.tables import (
+    SCORES,
+    cohort_of,
+    differences,
+    in_order,
+    judges,
+    pairs_of,
+    simulate_study,
+    simulated,
+    unlimited,
+)
 from .plans import text_of
 
 PART, MANY, LEVEL, STUDIES, STUDIES_OF_PAIRS = "run-1", 20_000, 0.95, 400, 150
@@ -46,7 +56,7 @@ def everybody(model: Model) -> Model:
 
 def true_values(design: Design, model: Model) -> dict[Comparison, tuple[float, float]]:
     """(mean, median of the means of all pairs) of the difference, by a large draw."""
-    cohort = Population(everybody(model), design, PART).of(range(MANY), seed=999)
+    cohort = cohort_of(everybody(model), design, PART, range(MANY), seed=999)
     out = {}
     for comparison in design.families[0].comparisons:
         values = differences(cohort, design.scales[0], comparison)
@@ -70,13 +80,13 @@ def coverage(design: Design, model: Model, n: int, studies: int, seed: int) -> d
     comparisons = design.families[0].comparisons
     felt = unlimited(design)
     true, latent_true = true_values(design, model), true_values(felt, model)
-    population, feeling, scale = Population(model, design, PART), Population(model, felt, PART), design.scales[0]
+    scale = design.scales[0]
     shape = (studies, len(comparisons))
     pairs, promised = np.zeros(shape, int), np.zeros(shape)
     shift, latent_shift, mean = (np.zeros(shape, bool) for _ in range(3))
     complete = 0
     for study in range(studies):
-        cohort, same = population.of(range(n), seed, study), feeling.of(range(n), seed, study)
+        cohort, same = (cohort_of(model, one, PART, range(n), seed + 1000 * study) for one in (design, felt))
         complete += cohort.why.count("complete")
         for k, one in enumerate(comparisons):
             values, latent = differences(cohort, scale, one), differences(same, scale, one)
@@ -96,9 +106,9 @@ def without_effect(design: Design, model: Model, n: int, studies: int, seed: int
     """p of (studies, comparisons) without an effect, and how often Holm leaves anything."""
     means = {condition.name: 3.5 for condition in design.part(PART).conditions}
     model = attrs.evolve(model, ratings={"grade": attrs.evolve(model.ratings["grade"], means=means)})
-    population, scale, ps = Population(model, design, PART), design.scales[0], []
+    scale, ps = design.scales[0], []
     for study in range(studies):
-        cohort = population.of(range(n), seed, study)
+        cohort = cohort_of(model, design, PART, range(n), seed + 1000 * study)
         ps.append([wilcoxon_exact(differences(cohort, scale, each)).p for each in design.families[0].comparisons])
     return np.array(ps), float(np.mean([min(holm(one)) <= 1 - LEVEL for one in ps]))
 
@@ -177,7 +187,7 @@ def test_intervals_hold_the_true_mean_at_the_nominal_rate():
     truth = many.mean().to_dict()
     held = dict.fromkeys(("late", "warped"), 0)
     for study in range(1, studies + 1):
-        rows = condition_rows(simulate_study(design, model, 12, 2, study), "main", "dcr")
+        rows = condition_rows(simulate_study(design, model, 12, 2 + study), "main", "dcr")
         for row in rows:
             if row["condition"] in held:
                 assert 1 <= row["low"] <= row["mean"] <= row["high"] <= 5

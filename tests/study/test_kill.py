@@ -33,7 +33,7 @@ import pytest
 from hmdwarp.errors import InputError
 from hmdwarp.poses import load_trace
 from hmdwarp.study.design import Ask, Show, load_design, steps_of
-from hmdwarp.study.respondents import Population, load_model, person_of
+from hmdwarp.study.respondents import answers_of, load_model, person_of
 from hmdwarp.study.store import COMPLETE, Contents, Session, Store
 
 from . import tiny
@@ -266,12 +266,12 @@ def _of_session(killed: Killed, contents: Contents, session: Session) -> list[st
             out.append(f"{showing.trace} has no motion")
         if not showing.actual.get("pictures"):
             out.append(f"{showing.key}: complete, and nobody knows what was shown")
-    usual = Population(model, design, session.part).of([person_of(session.code)], design.seed, orders=[session.order])
+    usual = answers_of(model, design, session.part, design.seed, person_of(session.code), session.order)
     for answer in (step for step in counting if step.trial):
         about = whole.get(answer.showing)
         if about is None or about.key != f"trial/{answer.trial}":
             out.append(f"{answer.key} is about {about}")
-        value = usual.answers["grade"][0, answer.trial - 1]
+        value = usual.ratings["grade"][answer.trial - 1]
         meant = None if np.isnan(value) else value
         if answer.scale == "grade" and answer.value != meant:
             out.append(f"{answer.key}: {answer.value}, where {meant} was meant")

@@ -210,10 +210,7 @@ def test_who_says_nothing_is_cut(monkeypatch):
         (lambda taken, _: Door("5580", "tcp://127.0.0.1:1", {}, {}), "expected HOST:PORT"),
         (lambda taken, _: Door(taken, "tcp://127.0.0.1:1", {}, {}), "take another port"),
         (lambda *_: ServeOptions.of({"certificate": "some.pem"}), "it is for --web"),
-        (
-            lambda _, frames: ServeOptions.of({"frames": frames, "scene": "box"}),
-            "recorded frames take the place of a scene",
-        ),
+        (lambda _, frames: ServeOptions.of({"frames": frames, "scene": "box"}), "--scene with --frames: recorded"),
         (lambda *_: ServeOptions.of({"repair": "edges"}), "--repair edges: a rendered scene lacks no depth"),
     ],
 )

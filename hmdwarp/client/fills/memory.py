@@ -57,7 +57,7 @@ class HoleFiller(Owner):
         self._no_depth = [self.own(allocate(gl, (1, 1), SCALAR)) for _ in range(2)]
         self._stamp = 0
         # Uniforms of every gather, but for what depends on the picture.
-        self._fixed: dict[str, object] = {"rendered_colour": _RENDERED, "rendered_depth": _DEPTH, "guesses": _GUESSES}
+        self._fixed: dict[str, object] = {"rendered_colour": _RENDERED, "guesses": _GUESSES}
         per_pixel = self._cells[0] / shown_size[0], self._cells[1] / shown_size[1]
         self._fixed |= {"shown_size": shown_size, "cells": self._cells, "cells_per_pixel": per_pixel, **USUAL_LIMITS}
 
@@ -88,8 +88,7 @@ class HoleFiller(Owner):
         self._guesses.scatter(depth, found.view, shown, _DEPTH)
         size = found.colour.size
         back = view_map(shown, self._size, found.view, size)
-        units = bind_images(self._read, self._write, {"best": self._best})
-        bind_images({"rendered_depth": found.inverse_depth}, first=_DEPTH)
+        units = bind_images({**self._read, "rendered_depth": found.inverse_depth}, self._write, {"best": self._best})
         bind_rendered_colour(found, _RENDERED, whole_pixels=False)
         self._pieces.bind_to_storage_buffer(1)
         sizes = {"rendered_size": size, "rendered_pixel": pixel_of(size), "is_first": self._first, "is_newest": newest}

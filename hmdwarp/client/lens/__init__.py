@@ -15,7 +15,7 @@ from ...geometry import Fov, Hidden
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas, Owner, bind_images
-from ...headsets import COLOURS, Headset, Lens, MeshLens, RadialLens, TableLens, ViveLens
+from ...headsets import COLOURS, Headset, Lens, RadialLens, TableLens, ViveLens
 from ..settings import DescribedRegistry
 
 # Image unit of the picture that programs for the panel read.
@@ -158,7 +158,7 @@ class ResampledLens(LensPass):
 
 
 lenses: DescribedRegistry[type[LensPass]] = DescribedRegistry(
-    "lens", __name__, modules=dict.fromkeys(("none", "radial", "table", "vive", "mesh"), "__init__"), columns="source"
+    "lens", __name__, modules=dict.fromkeys(("none", "radial", "table", "vive"), "__init__"), columns="source"
 )
 
 
@@ -251,35 +251,3 @@ class Vive(ResampledLens):
             "lens_focal": lens.focal,
             "lens_cutoff": lens.cutoff_r2,
         }
-
-
-_MESH = 14  # texture unit
-
-
-@lenses.register
-class Mesh(ResampledLens):
-    """Sample once per channel where the mesh of that channel says."""
-
-    name = "mesh"
-    library = "lens/mesh.glsl"
-
-    def prepare(self) -> None:
-        super().prepare()
-        self._textures = []
-        for lens in self.eye_lenses:
-            assert isinstance(lens, MeshLens)
-            grid = np.concatenate([lens.points[colour] for colour in COLOURS])
-            size = grid.shape[1], grid.shape[0]
-            texture = self.gpu.gl.texture(size, 2, grid.astype(np.float32).tobytes(), dtype="f4")
-            self._textures.append(self.own(texture))
-
-    def library_defines(self) -> dict[str, object]:
-        return {**super().library_defines(), "LENS_TANGENTS": 1}
-
-    def library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
-        self._textures[eye].use(_MESH)
-        return super().library_uniforms(fov, eye)
-
-    def of_lens(self, lens: Lens) -> dict[str, object]:
-        assert isinstance(lens, MeshLens)
-        return {"lens_panel": lens.panel_m, "lens_mesh": _MESH}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any, Literal
@@ -125,10 +126,12 @@ class OlderFrames(Owner):
             depth.bind_to_image(_DEPTHS + k, read=True, write=False)
             image.colour.bind_to_image(_COLOURS + k, read=True, write=False)
             image.colour.use(_COLOURS + k)
-        bind_images({"shown_inverse_depth": inverse_depth}, first=_SHOWN_DEPTH)
-        bind_images(change={"shown_colour": into}, first=_SHOWN)
-        bind_images(change={"sums": self._sums, "told": self._told}, first=_SUMS)
-        places = {f"older_{name}": np.array([each[name] for each in maps]) for name in maps[0]}
+        inverse_depth.bind_to_image(_SHOWN_DEPTH, read=True, write=False)
+        for unit, changed in ((_SHOWN, into.texture), (_SUMS, self._sums), (_TOLD, self._told)):
+            changed.bind_to_image(unit, read=True, write=True)
+        places = {}
+        for name in maps[0]:
+            places[f"older_{name}"] = np.array([*map(operator.itemgetter(name), maps)])
         every, passes = self._passes[len(older) - 1]
         for program, run in passes:
             self._gpu.barrier()
@@ -237,18 +240,23 @@ class Iterative(GatherWarp):
             return
         # A picture that is shown as it was drawn keeps its last bits.
         if not all(map(WarpMap.moves_whole_pixels, maps)):
-            back = [self.coefficients(self.maps(inputs, image.view)) for image in older]
-            depths = [image.inverse_depth for image in older]
-            if self._fringes:
-                held = self._fringed[inputs.eye]
-                depths = [held[image][0] if image in held else self._moved(image, inputs) for image in older]
+            back, depths, held = [], [], self._fringed[inputs.eye % len(self._fringed)]
+            for image in older:
+                back.append(self.coefficients(self.maps(inputs, image.view)))
+                if not self._fringes:
+                    depths.append(image.inverse_depth)
+                else:
+                    depths.append(held[image][0] if image in held else self._moved(image, inputs))
             self._older.add(older, depths, back, into, self.depth_into, limits)
 
     def _moved(self, image: EyeImage, inputs: PassInputs) -> moderngl.Texture:
         """Return an inverse depth with its fringes moved, in place of one that is not used now."""
         held = self._fringed[inputs.eye % len(self._fringed)]
         used = inputs.rendered, *inputs.recent[: self.settings.frames - 1]
-        texture, seen = held.pop(image if image in held else next(key for key in held if key not in used))
+        known: object = image
+        if image not in held:
+            (known, *_) = held.keys() - used
+        texture, seen = held.pop(known)
         now = image.view.hidden, image.view.fov
         held[image] = texture, now
         which = image is inputs.rendered and seen == now  # strips are those of its view

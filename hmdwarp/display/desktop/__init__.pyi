@@ -1,3 +1,3 @@
 from .desktop_display import DesktopDisplay as DesktopDisplay
+from .window_system import WindowView as WindowView
 from .window_system import choose_library as choose_library
-from .window_system import window_view as window_view

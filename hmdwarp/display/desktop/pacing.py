@@ -4,19 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 from statistics import median
-from types import ModuleType
 
-from .window import Window
-
-UNKNOWN_HZ = 60.0
 REMEMBERED = 16  # refreshes; a change of scene or size is forgotten after a quarter of a second
 UNSYNCED = 8  # consecutive pictures faster than the screen, after which vsync counts as off
 TOO_FAST = 0.7  # of a period
-
-
-def known_rate(rate_hz: float) -> float:
-    """Return a screen's reported rate; 60 where that is 0 or less."""
-    return rate_hz if rate_hz > 0 else UNKNOWN_HZ
 
 
 class Pacer:
@@ -34,8 +25,8 @@ class Pacer:
         self.set(rate_hz, waits)
 
     def set(self, rate_hz: float, waits: bool) -> None:
-        """Use another screen or setting. rate_hz: as known_rate returns it."""
-        self.rate_hz = known_rate(rate_hz)
+        """Use another screen or setting."""
+        self.rate_hz = rate_hz
         self.period_ns = round(1e9 / self.rate_hz)
         self.waits = waits
         self.paced = False
@@ -90,27 +81,3 @@ class Pacer:
     def missed(self) -> int:
         missed, self._missed = self._missed, 0
         return missed
-
-
-CHECK_NS = 1_000_000_000  # between two checks of which screen the window is on
-
-
-class ScreenMonitor:
-    """Keep the pacer at the refresh rate of the window's screen."""
-
-    def __init__(self, glfw: ModuleType, window: Window, pacer: Pacer) -> None:
-        self._window, self._pacer = window, pacer
-        self._changed, self._checked_ns = False, 0
-        glfw.set_monitor_callback(lambda *_: setattr(self, "_changed", True))
-
-    def update(self, now_ns: int) -> None:
-        """Check the screen, if one was plugged or unplugged or the last check is a second old."""
-        if not self._changed and now_ns - self._checked_ns < CHECK_NS:
-            return
-        self._checked_ns = now_ns
-        if self._changed:
-            self._changed = False
-            self._window.screens_changed()
-        rate_hz = self._window.rate_hz
-        if known_rate(rate_hz) != self._pacer.rate_hz:
-            self._pacer.set(rate_hz, self._window.vsync)

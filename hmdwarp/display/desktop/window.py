@@ -13,10 +13,11 @@ import moderngl
 
 from ...errors import MachineError
 from ...gpu.context import WANTED
-from .window_system import ScreenHandle, Size, VideoMode, WindowHandle, XConnection, last_error, window_size
+from .. import Closed
+from .window_system import ScreenHandle, Size, VideoMode, WindowHandle, last_error, window_size
 
+UNKNOWN_HZ = 60.0
 FALLBACK_ROOM = (1280, 800)  # free area where no screen reports its size
-_NO_ERROR = 0  # GL_NO_ERROR
 
 
 class WindowContext:
@@ -51,9 +52,8 @@ class Window:
         vsync: bool = True,
     ) -> None:  # fmt: skip
         self._glfw, self._title = glfw, title
-        self.handle, self.api = _create(glfw, title, _units(glfw, wanted, column))
+        self.handle = _create(glfw, title, _units(glfw, wanted, column))
         self._closed = False
-        self._connection = XConnection(glfw)
         self._place: tuple[int, int, int, int] | None = None  # its place before it filled the screen
         if full_screen:
             self.fill_screen(True)
@@ -77,9 +77,6 @@ class Window:
                 f"no OpenGL {WANTED / 100:.1f} in a window: {error}; 'hmdwarp doctor' shows what is there"
             ) from error
         self.gl.gc_mode = "context_gc"
-        names = (f"glGetGraphicsResetStatus{suffix}" for suffix in ("", "ARB", "KHR"))
-        found = next(filter(None, map(context.load_opengl_function, names)), 0)
-        self._reset_status = ctypes.CFUNCTYPE(ctypes.c_uint)(found) if found else None
 
     @property
     def hidden(self) -> bool:
@@ -88,9 +85,9 @@ class Window:
 
     @property
     def rate_hz(self) -> float:
-        """Refresh rate of its screen; 0 where unknown (virtual screens)."""
+        """Refresh rate of its screen; 60 where unknown (virtual screens)."""
         _, mode = self._screen()
-        return float(mode.refresh_rate) if mode is not None else 0.0
+        return float(mode.refresh_rate) if mode is not None and mode.refresh_rate > 0 else UNKNOWN_HZ
 
     def screen_text(self) -> str:
         """Return name, size and rate of its screen."""
@@ -128,17 +125,13 @@ class Window:
         (w, h), (fw, fh) = self._glfw.get_window_size(self.handle), self.framebuffer_size
         return x * fw / max(w, 1), fh - y * fh / max(h, 1)
 
-    @property
-    def system_text(self) -> str:
-        """Version of glfw, window system and kind of context, for headers."""
-        glfw = self._glfw
-        names = {glfw.PLATFORM_X11: "X11", glfw.PLATFORM_WAYLAND: "Wayland", glfw.PLATFORM_WIN32: "Windows"}
-        names[glfw.PLATFORM_COCOA] = "macOS"
-        version, system = ".".join(map(str, glfw.get_version())), names.get(glfw.get_platform(), "unknown")
-        return f"glfw {version}, {system}, context: {self.api}"
-
     def poll_events(self) -> None:
         self._glfw.poll_events()
+
+    def check_open(self) -> None:
+        """Errors: Closed, once the user has closed it."""
+        if self._glfw.window_should_close(self.handle):
+            raise Closed("the window was closed")
 
     def wait_events(self, seconds: float) -> None:
         self._glfw.wait_events_timeout(seconds)
@@ -149,26 +142,12 @@ class Window:
 
     def fill_screen(self, on: bool) -> None:
         """Fill its screen, if there is any, or return to its earlier place."""
-        glfw = self._glfw
-        if on and not self.fills_screen:
-            screen, mode = self._screen()
-            if mode is not None:
-                self._place = (*glfw.get_window_pos(self.handle), *glfw.get_window_size(self.handle))
-                glfw.set_window_monitor(self.handle, screen, 0, 0, mode.size.width, mode.size.height, mode.refresh_rate)
+        glfw, (screen, mode) = self._glfw, self._screen()
+        if on and not self.fills_screen and mode is not None:
+            self._place = (*glfw.get_window_pos(self.handle), *glfw.get_window_size(self.handle))
+            glfw.set_window_monitor(self.handle, screen, 0, 0, mode.size.width, mode.size.height, mode.refresh_rate)
         elif not on and self.fills_screen:
-            self._leave_screen()
-
-    def _leave_screen(self) -> None:
-        place, self._place = self._place or (0, 0, *FALLBACK_ROOM), None
-        self._glfw.set_window_monitor(self.handle, None, *place, 0)
-
-    def screens_changed(self) -> None:
-        """Handle a screen that was plugged or unplugged.
-
-        Glfw itself has moved the window off one that is gone; its earlier place is ours to restore.
-        """
-        if self._place is not None and not self.fills_screen:
-            self._leave_screen()
+            glfw.set_window_monitor(self.handle, None, *(self._place or (0, 0, *FALLBACK_ROOM)), 0)
 
     def wait_for_screen(self, on: bool) -> None:
         """Set whether swaps wait for the screen. The context must be current."""
@@ -192,23 +171,13 @@ class Window:
         """Swap the buffers without waiting for the screen."""
         self._glfw.swap_buffers(self.handle)
 
-    def over(self) -> str:
-        """Return the reason why nothing can be shown in it any more; "" while it works."""
-        if self._connection.broken:
-            return "the connection to the screen broke: the window is gone"
-        if self._glfw.window_should_close(self.handle):
-            return "the window was closed"
-        if self._reset_status is not None and self._reset_status() != _NO_ERROR:
-            return "the graphics driver was reset, and every picture in it is gone: the run ends here"
-        return ""
-
     def end(self) -> None:
         """Request that it is closed at the next opportunity."""
         self._glfw.set_window_should_close(self.handle, True)
 
     def close(self) -> None:
         """Destroy it, and end glfw. Safe to call twice."""
-        if not self._closed and not self._connection.broken:
+        if not self._closed:
             self._glfw.destroy_window(self.handle)
             self._glfw.terminate()
         self._closed = True
@@ -226,10 +195,10 @@ def _units(glfw: ModuleType, wanted: Size, column: int) -> Size:
     return max(1, round(width / unit)), max(1, round(height / unit))
 
 
-def _create(glfw: ModuleType, title: str, size: Size) -> tuple[WindowHandle, str]:
-    """Make a hidden window; return it and its interface: EGL where the native one has none."""
-    failures = []
-    hints = {
+def _create(glfw: ModuleType, title: str, size: Size) -> WindowHandle:
+    """Make a hidden window."""
+    glfw.default_window_hints()
+    for hint, value in {
         glfw.VISIBLE: glfw.FALSE,
         glfw.CONTEXT_VERSION_MAJOR: WANTED // 100,
         glfw.CONTEXT_VERSION_MINOR: WANTED // 10 % 10,
@@ -239,16 +208,13 @@ def _create(glfw: ModuleType, title: str, size: Size) -> tuple[WindowHandle, str
         glfw.DEPTH_BITS: 0,
         glfw.STENCIL_BITS: 0,
         glfw.SCALE_FRAMEBUFFER: glfw.TRUE,
-    }
-    for name, api in (("native", glfw.NATIVE_CONTEXT_API), ("EGL", glfw.EGL_CONTEXT_API)):
-        glfw.default_window_hints()
-        for hint, value in {**hints, glfw.CONTEXT_CREATION_API: api}.items():
-            glfw.window_hint(hint, value)
-        handle = glfw.create_window(*size, title, None, None)
-        if handle:
-            return handle, name
-        failures.append(f"{name}: {last_error(glfw)}")
-    glfw.terminate()
-    raise MachineError(
-        f"no window with OpenGL {WANTED / 100:.1f} ({'; '.join(failures)}); 'hmdwarp doctor' shows what is there"
-    )
+    }.items():
+        glfw.window_hint(hint, value)
+    handle: WindowHandle = glfw.create_window(*size, title, None, None)
+    if not handle:
+        failure = last_error(glfw)
+        glfw.terminate()
+        raise MachineError(
+            f"no window with OpenGL {WANTED / 100:.1f} ({failure}); 'hmdwarp doctor' shows what is there"
+        )
+    return handle

@@ -85,15 +85,16 @@ class Keys:
         keys = [one.key for one in self.controls if one.name == "help" and not one.needs_text_panel]
         return [f"{'click to look, ' if looks else ''}{label(key)} for help" for key in keys[:1]]
 
-    def help_text(self) -> str:
-        """Return every way to move and every control, a line each: keys, tab, description."""
-        rows = [
-            (" ".join(label(word) if len(word) == 1 else word for word in keys.split()), what) for keys, what in MOVING
-        ]
-        for control in filter(self.status.offers, self.controls):
-            steps = not control.written and not control.back and control.kind in STEPS_BACK
-            mouse = "" if control.written or control.back else and_mouse(control)
-            rows += [(keys_of(control) + (" (shift: back)" if steps else mouse), control.what)] if control.what else []
+    def help_text(self, *, moves: bool = True) -> str:
+        """Return every control, after every way to move, a line each: keys, tab, description."""
+        rows = []
+        for keys, what in MOVING if moves else ():
+            rows.append((" ".join(label(word) if len(word) == 1 else word for word in keys.split()), what))
+        for control in (one for one in self.controls if one.what and self.status.offers(one)):
+            keys = control.written or " ".join(label(key) for key in (control.back, control.key) if key)
+            if not control.written and not control.back:
+                keys += " (shift: back)" if control.kind in STEPS_BACK else and_mouse(control) if moves else ""
+            rows.append((keys, control.what))
         return "\n".join(f"{keys}\t{what}" for keys, what in rows)
 
 
@@ -115,11 +116,6 @@ def label(name: str) -> str:
     return printed.upper() if printed else name
 
 
-def keys_of(control: Control) -> str:
-    """Return a control's keys, as the user's keyboard has them."""
-    return control.written or " ".join(label(key) for key in (control.back, control.key) if key)
-
-
 TURN_PER_UNIT = math.radians(0.1)  # of mouse motion: 900 units (of 0.1 mm or so) for a quarter turn
 
 # A position in the window's own units, from the top left, to (u, v) of the text panel; None
@@ -130,24 +126,24 @@ Locate = Callable[[float, float], tuple[float, float] | None]
 class WindowInput:
     """Mouse, keyboard and control panel of a window: they move `walker` and make commands.
 
-    now_ns: the clock for the times of inputs, taken when they are read. own: what the window does
-    itself, by control. A click captures the mouse, and so does `look`; in a window without the
-    focus that takes effect once it has it. The key of "quit" releases it, and so does a change to
-    another window, which releases the held keys as well.
+    now_ns: the clock for the times of inputs, taken when they are read. own: does what a control of
+    the window itself requests, by its name and value. A click captures the mouse, and so does
+    `look`; in a window without the focus that takes effect once it has it. The key of "quit"
+    releases it, and so does a change to another window, which releases the held keys as well.
     """
 
     def __init__(
-        self, shown: Window, walker: Walker, now_ns: Callable[[], int], keys: Keys, own: dict[str, Callable[..., None]]
+        self, shown: Window, walker: Walker, now_ns: Callable[[], int], keys: Keys, own: Callable[[str, object], None]
     ) -> None:
         self._shown, self._walker, self._now_ns, self._keys = shown, walker, now_ns, keys
-        self._window, self._own = shown.handle, {one.name: own[one.name] for one in keys.controls if one.of_display}
+        self._window, self._own = shown.handle, own
         self._held: set[int] = set()
         self._position = (0.0, 0.0)
         self._locate: Locate | None = None
         self._capture_again = False
         self._notches = 0.0  # fraction of a wheel notch not reported yet
         self.panel: ControlPanel | None = None  # takes its part of the input first; None until it is opened
-        self.close_help: Callable[[], bool] = lambda: False  # closes an open help; whether there was one
+        self.help = False  # whether the help covers the picture, in place of any other text
         self.takes_text = False  # whether letters are text, and no keys of controls
         self.commands: list[Command] = []  # requests, oldest first
         glfw.set_key_callback(self._window, self._key)
@@ -165,20 +161,14 @@ class WindowInput:
         self._walker.walk(self._now_ns(), right, up, forward, fast=not self._held.isdisjoint(FASTER))
         return self._now_ns()
 
-    def handle_own(self) -> None:
-        """Handle the window's own commands; the others stay for the run."""
-        commands, self.commands = self.commands, []
-        for command in commands:
-            if command.control in self._own:
-                self._own[command.control](command.value)
-            else:
-                self.commands.append(command)
-
     def take(self) -> list[Command]:
-        """Return the commands for the run since the last call."""
-        self.handle_own()
+        """Return the commands for the run since the last call; do the window's own."""
         commands, self.commands = self.commands, []
-        return commands
+        own = {one.name for one in self._keys.controls if one.of_display}
+        for command in commands:
+            if command.control in own:
+                self._own(command.control, command.value)
+        return [command for command in commands if command.control not in own]
 
     def open_panel(self) -> bool:
         """Open the control panel; return whether its packages are installed."""
@@ -240,10 +230,12 @@ class WindowInput:
             if action == glfw.PRESS and self._locate is None:
                 self._held.add(key)
             return
-        if (key == glfw.KEY_ESCAPE and self.close_help()) or (self.takes_text and prints(key)):
+        if self.takes_text and prints(key):
             return
         command = self._keys.command_of(key, action, mods)
-        if command is not None and command.control == "quit" and self.captured:
+        if key == glfw.KEY_ESCAPE and self.help:
+            self.help = False
+        elif command is not None and command.control == "quit" and self.captured:
             self.release()
         elif command is not None:
             self.commands.append(command)

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
-import ctypes
-import importlib.util
 import math
 import os
 import platform
-from collections.abc import Mapping
-from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -38,30 +33,13 @@ REMEDY = (
 )
 
 
-def variant(environ: Mapping[str, str]) -> str:
-    """Return which of glfw's two libraries fits, "x11" or "wayland".
-
-    "" leaves it to glfw, which goes by XDG_SESSION_TYPE alone. A session of one kind may offer only
-    the other kind of display, as under ssh -X, Xvfb and in containers.
-    """
-    wayland, x11 = environ.get("WAYLAND_DISPLAY"), environ.get("DISPLAY")
-    if "PYGLFW_LIBRARY_VARIANT" in environ or bool(wayland) == bool(x11):
-        return ""
-    return "wayland" if wayland else "x11"
-
-
 def choose_library() -> None:
-    """Choose the library that fits, before glfw is imported."""
-    fitting = variant(os.environ)
-    if fitting:
-        os.environ["PYGLFW_LIBRARY_VARIANT"] = fitting
-    if (fitting or os.environ.get("PYGLFW_LIBRARY_VARIANT") or os.environ.get("XDG_SESSION_TYPE")) == "wayland":
-        # Dear ImGui's package needs X11. It would find the library of the glfw package, of the same
-        # name and without X11, and fail to load; it finds its own if that was loaded first.
-        spec = importlib.util.find_spec("imgui_bundle")
-        if spec is not None and spec.origin is not None:
-            with contextlib.suppress(OSError):
-                ctypes.CDLL(str(Path(spec.origin).with_name("libglfw.so.3")))
+    """Choose the library of X11 or Wayland before glfw is imported, which goes by the session.
+
+    X11 wherever it is there, in XWayland too: the packages of control panel and OpenXR need it.
+    """
+    is_wayland = os.environ.get("WAYLAND_DISPLAY") and not os.environ.get("DISPLAY")
+    os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "wayland" if is_wayland else "x11")
 
 
 def start() -> ModuleType:
@@ -85,35 +63,6 @@ def last_error(glfw: ModuleType) -> str:
     code, message = glfw.get_error()
     words = message.decode(errors="replace") if isinstance(message, bytes) else str(message or "no reason given")
     return f"{' '.join(words.split())}" if code else "no reason given"
-
-
-_ErrorHandler = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)
-_ExitHandler = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
-
-
-class XConnection:
-    """A connection whose break (logged out, ssh ended) a program survives, by Xlib 1.7 (2020)."""
-
-    def __init__(self, glfw: ModuleType) -> None:
-        # Whether the server is gone. Then no part of the window may be used, not even to free it.
-        self.broken = False
-        # Kept referenced here: Xlib stores only the pointers.
-        self._handlers = _ErrorHandler(lambda _: 0), _ExitHandler(lambda *_: setattr(self, "broken", True))
-        if glfw.get_platform() == glfw.PLATFORM_X11:
-            self._listen(ctypes.cast(glfw.get_x11_display(), ctypes.c_void_p))
-
-    def _listen(self, display: ctypes.c_void_p) -> None:
-        try:
-            xlib = ctypes.CDLL("libX11.so.6")  # the one that glfw has loaded
-            set_exit_handler = xlib.XSetIOErrorExitHandler
-        except (OSError, AttributeError):
-            return
-        # The default error handler exits before the exit handler is called: both must be replaced.
-        xlib.XSetIOErrorHandler.argtypes, xlib.XSetIOErrorHandler.restype = (_ErrorHandler,), ctypes.c_void_p
-        xlib.XSetIOErrorHandler(self._handlers[0])
-        set_exit_handler.argtypes = (ctypes.c_void_p, _ExitHandler, ctypes.c_void_p)
-        set_exit_handler.restype = None
-        set_exit_handler(display, self._handlers[1], None)
 
 
 Size = tuple[int, int]
@@ -144,15 +93,6 @@ def flat_size(aspect: float) -> Size:
     return max(WHOLE, round(width / WHOLE) * WHOLE), max(WHOLE, round(width / aspect / WHOLE) * WHOLE)
 
 
-def picture_area(framebuffer: Size, column: int) -> Size:
-    """Return the size that a panel of that many columns at the right leaves for pictures.
-
-    If that is less than half, the panel covers the pictures instead.
-    """
-    width, height = framebuffer
-    return (width - column, height) if 2 * column <= width else framebuffer
-
-
 def window_size(wanted: Size, room: Size, column: int = 0) -> Size:
     """Return the size of a new window for pictures of `wanted` pixels and a panel next to them.
 
@@ -179,46 +119,31 @@ class OneEye:
         return (View(world_from_head, self.fov),)
 
 
-@attrs.frozen(eq=False)
 class WindowView:
-    """Eyes of a window, and the format of their pictures."""
+    """What of a Display follows from its view. size: of one eye; None for the view's own.
 
-    eyes: Eyes
-    count: int  # how many eyes
-    size: Size  # (w, h) pixels of one eye's picture
-    aspect: float  # width over height of one picture as displayed
-    headset: Headset | None  # the headset whose lens is in front of it, None for a picture viewed without one
-
-    @property
-    def total_size(self) -> Size:
-        """(w, h) of all eyes side by side, in square pixels."""
-        return max(1, round(self.count * self.size[1] * self.aspect)), self.size[1]
-
-
-def window_view(view: str, headset: Headset, size: Size | None) -> WindowView:
-    """Return the view "both" or "flat" of a headset.
-
-    size: of one eye, None for the default. The flat view has the shape of both eyes side by side,
-    and so fills the same window.
+    The flat view has the shape of both eyes side by side, and so fills the same window.
     """
-    if view == BOTH:
-        return WindowView(headset, len(headset.eyes), size or headset.eye_size_px, headset.aspect, headset)
-    if view != FLAT:
-        raise InputError(f"--view '{view}': expected {BOTH} or {FLAT}")
-    fov, aspect = headset.flat_view
-    return WindowView(OneEye(headset.name, fov), 1, size or flat_size(aspect), aspect, None)
-
-
-class SwitchableView:
-    """What of a Display follows from its view. size: of one eye; None for the view's own."""
 
     distorts = takes_depth = takes_panels = ""
 
-    def __init__(self, headset: Headset, size: Size | None, view: str) -> None:
+    def __init__(self, view: str, headset: Headset, size: Size | None) -> None:
         self._emulated, self._wanted_size = headset, size
         self.set_view(view)
 
     def set_view(self, view: str) -> None:
         """Switch to "both" or "flat". Errors: InputError for another name."""
-        self._view = found = window_view(view, self._emulated, self._wanted_size)
-        self.eyes, self.size, self.headset = found.eyes, found.size, found.headset
+        if view not in (BOTH, FLAT):
+            raise InputError(f"--view '{view}': expected {BOTH} or {FLAT}")
+        seen, (fov, flat_aspect) = self._emulated, self._emulated.flat_view
+        is_flat = view == FLAT
+        self.eyes: Eyes = OneEye(seen.name, fov) if is_flat else seen
+        self.headset = None if is_flat else seen  # whose lens is in front of it, None for a picture viewed without one
+        self.count = 1 if is_flat else len(seen.eyes)  # how many eyes
+        self.aspect = flat_aspect if is_flat else seen.aspect  # width over height of one picture as displayed
+        self.size = self._wanted_size or (flat_size(flat_aspect) if is_flat else seen.eye_size_px)
+
+    @property
+    def total_size(self) -> Size:
+        """(w, h) of all eyes side by side, in square pixels."""
+        return max(1, round(self.count * self.size[1] * self.aspect)), self.size[1]

@@ -4,23 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .diagnosis import INSTALL, LOST, RUNTIME_LABEL, STAGES, diagnose, manifest, manifest_text, missing_extensions
+from .diagnosis import INSTALL, RUNTIME_LABEL, diagnose, manifest_text, missing_extensions
 
 if TYPE_CHECKING:
-    from .openxr_display import OpenXrDisplay, OpenXrHead
+    from .openxr_display import OpenXrDisplay
 
-__all__ = [
-    "INSTALL",
-    "LOST",
-    "RUNTIME_LABEL",
-    "STAGES",
-    "OpenXrDisplay",
-    "OpenXrHead",
-    "diagnose",
-    "manifest",
-    "manifest_text",
-    "missing_extensions",
-]
+__all__ = ["INSTALL", "RUNTIME_LABEL", "OpenXrDisplay", "diagnose", "manifest_text", "missing_extensions"]
 
 
 def __getattr__(name: str) -> Any:

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import ctypes
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import xr
 
@@ -21,26 +22,10 @@ from ..controls import MOVED, Control
 from .runtime import Calls, Instance
 from .tracking import Spaces, pose_of
 
-if TYPE_CHECKING:
-
-    class _State(ctypes.Structure):
-        current_state: float
-        is_active: bool
-
-
 # Any other result means that the session lacks the focus (XR_SESSION_NOT_FOCUSED), and buttons are
 # ignored.
 _SYNCED = xr.Result.SUCCESS.value
 _VALID = xr.SpaceLocationFlags.ORIENTATION_VALID_BIT.value | xr.SpaceLocationFlags.POSITION_VALID_BIT.value
-_WORDS = {
-    "select": "push what the controller aims at",
-    "squeeze": "grab and move what the controller aims at",
-    "across": "stick, across",
-    "along": "stick, along",
-    "pad": "pad pressed",
-    "pad_across": "pad, across",
-    "pad_along": "pad, along",
-}
 
 
 class Actions:
@@ -49,7 +34,7 @@ class Actions:
     def __init__(
         self, calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control], spaces: Spaces
     ) -> None:
-        self._calls, self._session = calls, session
+        self._calls, self._session, self._world, self._location = calls, session, spaces.world, xr.SpaceLocation()
         self._controls = {button: control for control in reversed(controls) for button in control.buttons}
         self._repeat, self._commands = ButtonRepeat(), list[Command]()
         handle = calls.call_once(
@@ -67,16 +52,33 @@ class Actions:
         # Kept referenced: the next line only points to it.
         self._active = (xr.ActiveActionSet * 1)(xr.ActiveActionSet(handle, xr.NULL_PATH))
         self._sync = xr.ActionsSyncInfo(count_active_action_sets=1, active_action_sets=self._active)
-        self._buttons = {name: _Query(actions[name], xr.ActionStateBoolean()) for name in BUTTONS}
-        self._hands = [Hand(calls, session, actions, hand, spaces) for hand in hands[:2]]
-        self._held: dict[tuple[str, Hand], bool] = {}  # of each button that acts; none after a pause
-        self._holds: tuple[str, Hand] | None = None  # the button by which something is held
+        is_on = partial(self._reader, "xrGetActionStateBoolean", xr.ActionStateBoolean)
+        number = partial(self._reader, "xrGetActionStateFloat", xr.ActionStateFloat)
+        self._buttons = {name: is_on(actions[name]) for name in BUTTONS}
         # Each hand separately: with both in one query, Monado 25 reports 0 where one stick is at -1
         # and the other at 0.
-        self._axes = {name: [_Query(actions[name], xr.ActionStateFloat(), hand) for hand in hands] for name in AXES}
+        self._axes = {name: [number(actions[name], hand) for hand in hands] for name in AXES}
+        # Of the hands that aim, by (button, number of the hand) and by that number.
+        self._acts = {(name, hand): is_on(actions[name], hands[hand]) for name in ACTS for hand in range(2)}
+        here = xr.Posef(xr.Quaternionf(0, 0, 0, 1), xr.Vector3f(0, 0, 0))
+        aims = (xr.ActionSpaceCreateInfo(actions[AIM], hand, here) for hand in hands[:2])
+        self._spaces = [calls.call_once(xr.create_action_space, session, info) for info in aims]
+        self._held: dict[tuple[str, int], bool] = {}  # of each button that acts; none after a pause
+        self._holds: tuple[str, int] | None = None  # the button by which something is held
+
+    def _reader(self, call: str, kind: Any, action: xr.Action, hand: int = xr.NULL_PATH) -> Callable[[], float]:
+        """Return what reads an action, 0 while it is inactive. hand: its path; by default all."""
+        info, state = xr.ActionStateGetInfo(action=action, subaction_path=hand), kind()
+        pointers = ctypes.byref(info), ctypes.byref(state)
+
+        def read() -> float:
+            self._calls(call, self._session, *pointers)
+            return float(state.current_state) if state.is_active else 0.0
+
+        return read
 
     def _create(self, handle: xr.ActionSet, name: str, kind: xr.ActionType, hands: list[int]) -> xr.Action:
-        info = xr.ActionCreateInfo(name, kind, len(hands), hands or None, _WORDS.get(name, name))
+        info = xr.ActionCreateInfo(name, kind, len(hands), hands or None, name.replace("_", " "))
         return self._calls.call_once(xr.create_action, handle, info)
 
     def _suggest(self, instance: Instance, actions: dict[str, xr.Action]) -> None:
@@ -106,31 +108,26 @@ class Actions:
                 self._commands.append(Command(self._controls[self._holds[0]].name, False))
             self._held, self._holds = {}, None
             return
-        buttons = {name: self._state("xrGetActionStateBoolean", one) != 0 for name, one in self._buttons.items()}
-        axes = {
-            name: max((self._state("xrGetActionStateFloat", action) for action in ones), key=abs)
-            for name, ones in self._axes.items()
-        }
+        buttons = {name: read() != 0 for name, read in self._buttons.items()}
+        axes = {name: max((read() for read in reads), key=abs) for name, reads in self._axes.items()}
         for button in self._repeat.step(buttons, axes, now_ns):
             control = self._controls.get(button)
             if control is not None:
                 self._commands.append(Command(control.name, control.value))
 
-        for name in ACTS:
+        for name, hand in self._acts:
             if name in self._controls:
-                for hand in self._hands:
-                    self._act(self._controls[name], (name, hand), shown)
+                self._act(self._controls[name], (name, hand), shown)
 
-    def _act(self, control: Control, button: tuple[str, Hand], shown: int) -> None:
+    def _act(self, control: Control, button: tuple[str, int], shown: int) -> None:
         """Request what a button of a hand does: at its press or, for what is held, all the time."""
-        name, hand = button
-        is_held, was_held = self._state("xrGetActionStateBoolean", hand.buttons[name]) != 0, self._held.get(button)
+        is_held, was_held = self._acts[button]() != 0, self._held.get(button)
         if (is_held and was_held is None) or (control.kind == "hold" and self._holds not in (None, button)):
             return  # held since before; or the other hand holds something
         self._held[button] = is_held
         if not is_held and not was_held:
             return
-        pose = hand.aim(shown)
+        pose = self._aim(button[1], shown)
         if control.kind != "hold":
             if is_held and not was_held and pose is not None:
                 self._commands.append(Command(control.name, control.value, hand=pose))
@@ -142,30 +139,9 @@ class Actions:
             self._commands.append(Command(control.name, MOVED if self._holds is not None else True, hand=pose))
             self._holds = button
 
-    def _state(self, call: str, one: _Query) -> float:
-        self._calls(call, self._session, one.info_pointer, one.state_pointer)
-        return one.state.current_state if one.state.is_active else 0
-
-    def commands(self) -> list[Command]:
-        commands, self._commands = self._commands, []
-        return commands
-
-
-class Hand:
-    """One controller: the buttons that act, and where it aims."""
-
-    def __init__(
-        self, calls: Calls, session: xr.Session, actions: Mapping[str, xr.Action], hand: int, spaces: Spaces
-    ) -> None:
-        self._calls, self._world, self._location = calls, spaces.world, xr.SpaceLocation()
-        self.buttons = {name: _Query(actions[name], xr.ActionStateBoolean(), hand) for name in ACTS}
-        here = xr.Posef(xr.Quaternionf(0, 0, 0, 1), xr.Vector3f(0, 0, 0))
-        info = xr.ActionSpaceCreateInfo(action=actions[AIM], subaction_path=hand, pose_in_action_space=here)
-        self._space = calls.call_once(xr.create_action_space, session, info)
-
-    def aim(self, time: int) -> Pose | None:
+    def _aim(self, hand: int, time: int) -> Pose | None:
         """Return world_from_hand at an instant; None while untracked. Errors: Lost."""
-        self._calls("xrLocateSpace", self._space, self._world, time, ctypes.byref(self._location))
+        self._calls("xrLocateSpace", self._spaces[hand], self._world, time, ctypes.byref(self._location))
         if self._location._location_flags & _VALID != _VALID:
             return None
         try:
@@ -173,13 +149,9 @@ class Hand:
         except InputError:  # NaN, or a zero quaternion
             return None
 
-
-class _Query:
-    """One action's state, and the pointers to read it. hand: its path; all of them by default."""
-
-    def __init__(self, action: xr.Action, state: _State, hand: int = xr.NULL_PATH) -> None:
-        self._info, self.state = xr.ActionStateGetInfo(action=action, subaction_path=hand), state
-        self.info_pointer, self.state_pointer = ctypes.byref(self._info), ctypes.byref(state)
+    def commands(self) -> list[Command]:
+        commands, self._commands = self._commands, []
+        return commands
 
 
 BUTTONS = ("left", "right", "up", "down", "confirm", "menu", "pad")

@@ -5,33 +5,28 @@ from __future__ import annotations
 import ctypes
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import attrs
 import moderngl
+import numpy as np
 import xr
+from numpy.typing import NDArray
 
+from ...colour import srgb8_from_linear
 from ...errors import InputError, MachineError
 from ...geometry import View
 from ...gpu.context import Gpu
 from ...gpu.egl import depth_framebuffer
-from .. import Closed
-from ..controls import Control
+from .. import Closed, DisplayOptions
 from .actions import Actions
 from .graphics import Graphics, check_requirements
-from .runtime import (
-    DEPTH_EXTENSION,
-    WITH_PICTURES,
-    Calls,
-    FrameCalls,
-    Instance,
-    Session,
-    hidden_triangles,
-    open_instance,
-)
-from .tracking import COUNT, HeadTracker, RuntimeEyes, Spaces
+from .runtime import DEPTH_EXTENSION, Calls, FrameCalls, Instance, Session, hidden_triangles, open_instance
+from .tracking import COUNT, HeadTracker, RuntimeEyes, Spaces, posef_of
+
+if TYPE_CHECKING:
+    from ...client.effects.text import HeldPanel
 
 READY_S = 5.0  # for a new session to become ready; runtimes take fractions of a second
 IDLE_S = 0.01  # between two polls of a session that is not running
@@ -40,27 +35,69 @@ UNSEEN_S = 1.0  # a headset that is not worn may never request a picture
 _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
 
 
-@attrs.define(eq=False)
 class Connection:
-    """A session with its swapchains. Safe to close in any state: errors are then ignored."""
+    """A session with its swapchains. graphics_for: returns those for a runtime.
 
-    instance: Instance
-    session: Session
-    spaces: Spaces
-    frames: FrameCalls
-    recommended: tuple[int, int]  # (w, h) of one eye
-    has_depth: bool
-    largest: tuple[int, int]
-    formats: list[int]  # of images that the runtime takes
-    cleanup: ExitStack  # called before the session ends
-    actions: Actions | None
+    Errors: MachineError; InputError for pictures larger than the runtime takes.
+    """
 
-    def settle(self, calls: Calls, eyes: RuntimeEyes) -> None:
+    def __init__(
+        self, calls: Calls, graphics_for: Callable[[Instance], Graphics], tracker: HeadTracker, eyes: RuntimeEyes,
+        options: DisplayOptions,
+    ) -> None:  # fmt: skip
+        with ExitStack() as stack:
+            self._calls, self.instance = calls, open_instance(calls)
+            stack.callback(self.instance.destroy)
+            self.graphics = graphics_for(self.instance)
+            gpu, instance, system = self.graphics.gpu, self.instance.handle, self.instance.system
+            check_requirements(calls, self.instance, gpu)
+            views = calls.call_once(xr.enumerate_view_configuration_views, instance, system, _STEREO)
+            if len(views) != COUNT:
+                raise MachineError(f"{calls.name} has {len(views)} views: expected {COUNT}")
+            modes = [*map(int, calls.call_once(xr.enumerate_environment_blend_modes, instance, system, _STEREO))]
+            opaque = xr.EnvironmentBlendMode.OPAQUE.value
+            self.session = Session(calls, self.instance, self.graphics.binding)
+            session = self.session.handle
+            stack.callback(self.session.destroy)
+            self.spaces = Spaces(calls, self.instance, session)
+            self.actions: Actions | None = None
+            if any(one.buttons for one in options.controls):
+                self.actions = Actions(calls, self.instance, session, options.controls, self.spaces)
+            tracker.attach(calls, self.instance, self.spaces)
+            self.session.on_world_change = tracker.world_changes
+            self.frames = FrameCalls(calls, session, opaque if opaque in modes else modes[0])
+            stack.callback(self.frames.abandon)
+            calls.stage = "running"
+            self._settle(eyes)
+            self.size = options.size or (views[0].recommended_image_rect_width, views[0].recommended_image_rect_height)
+            largest = (views[0].max_image_rect_width, views[0].max_image_rect_height)
+            if self.size[0] > largest[0] or self.size[1] > largest[1]:
+                raise InputError(
+                    f"--size {self.size[0]}x{self.size[1]}: {calls.name} takes pictures up to {largest[0]}x{largest[1]}"
+                )
+            formats = [int(format_) for format_ in calls.call_once(xr.enumerate_swapchain_formats, session)]
+            wants_depth = options.depth_layer and DEPTH_EXTENSION in self.instance.extensions
+            deep = depth_format(formats) if wants_depth else None
+
+            def swapchain(kind: int) -> Swapchain:
+                made = Swapchain(calls, gpu, session, self.size, kind)
+                stack.callback(made.destroy)
+                return made
+
+            colours = [swapchain(colour_format(formats)) for _ in range(COUNT)]
+            depths = [] if deep is None else [swapchain(deep) for _ in range(COUNT)]
+            self.pictures = Projection(self.spaces.world, colours, depths)
+            self.quads = Quads(calls, gpu, session, self.spaces, colour_format(formats))
+            stack.callback(self.quads.close)
+            self._made = stack.pop_all()
+
+    def _settle(self, eyes: RuntimeEyes) -> None:
         """Submit empty frames until session, period and eyes are known. Errors: MachineError."""
-        self.session.on_mask_change = lambda: eyes.hide(
-            [hidden_triangles(calls, self.instance, self.session.handle, eye) for eye in range(COUNT)]
+        calls, session = self._calls, self.session
+        session.on_mask_change = lambda: eyes.hide(
+            [hidden_triangles(calls, self.instance, session.handle, eye) for eye in range(COUNT)]
         )
-        self.session.on_mask_change()
+        session.on_mask_change()
         began, seen = time.monotonic(), 0
         while seen < SEEN or not eyes.known:
             waited = time.monotonic() - began
@@ -69,85 +106,26 @@ class Connection:
             if waited > READY_S:
                 raise MachineError(
                     f"{calls.name} does not say what the eyes see: restart it"
-                    if self.session.running
+                    if session.running
                     else f"{calls.name} did not begin a session within {READY_S:g} s: wake the headset, and end other "
                     "programs that use it"
                 )
             try:
-                self.session.poll()
+                session.poll()
             except Closed as closed:
                 raise MachineError(f"{closed.args[0]} before it began: put the headset on") from closed
-            if not self.session.running:
+            if not session.running:
                 time.sleep(IDLE_S)
                 continue
             self.frames.begin()
-            eyes.locate(calls, self.session.handle, self.spaces.head, self.frames.state.predicted_display_time)
+            eyes.locate(calls, session.handle, self.spaces.head, self.frames.state.predicted_display_time)
             self.frames.end()
             seen += self.frames.state.should_render
 
-    def pictures(self, calls: Calls, gpu: Gpu, size: tuple[int, int], with_depth: bool) -> Projection:
-        """Create swapchains of that size for each eye. Errors: InputError for one too large."""
-        if size[0] > self.largest[0] or size[1] > self.largest[1]:
-            raise InputError(
-                f"--size {size[0]}x{size[1]}: {calls.name} takes pictures up to {self.largest[0]}x{self.largest[1]}"
-            )
-
-        def swapchains(kind: int) -> list[Swapchain]:
-            made: list[Swapchain] = []
-            for _ in range(COUNT):  # each is kept as soon as it is made: the next may fail
-                made.append(Swapchain(calls, gpu, self.session.handle, size, kind))
-                self.cleanup.callback(made[-1].destroy)
-            return made
-
-        deep = depth_format(self.formats) if with_depth else None
-        colours = swapchains(colour_format(self.formats))
-        return Projection(self.spaces.world, colours, [] if deep is None else swapchains(deep))
-
     def close(self) -> None:
+        """Release everything, in any state: errors are ignored."""
         self.frames.abandon()
-        self.cleanup.close()
-
-
-class Connected:
-    """What has a connection while the runtime's service is there."""
-
-    _connection: Connection | None = None
-
-    def _disconnect(self) -> None:
-        made, self._connection = self._connection, None
-        if made is not None:
-            made.close()
-
-
-def connect(
-    calls: Calls, graphics_for: Callable[[Instance], Graphics], tracker: HeadTracker, controls: tuple[Control, ...] = ()
-) -> Connection:
-    """Return a session. graphics_for: returns those for a runtime. Errors: MachineError."""
-    with ExitStack() as stack:
-        instance = open_instance(calls, WITH_PICTURES)
-        stack.callback(instance.destroy)
-        graphics = graphics_for(instance)
-        check_requirements(calls, instance, graphics.gpu)
-        views = calls.call_once(xr.enumerate_view_configuration_views, instance.handle, instance.system, _STEREO)
-        if len(views) != COUNT:
-            raise MachineError(f"{calls.name} has {len(views)} views: expected {COUNT}")
-        modes = calls.call_once(xr.enumerate_environment_blend_modes, instance.handle, instance.system, _STEREO)
-        modes, opaque = [*map(int, modes)], xr.EnvironmentBlendMode.OPAQUE.value
-        session = Session(calls, instance, graphics.binding)
-        stack.callback(session.destroy)
-        spaces = Spaces(calls, instance, session.handle)
-        has_buttons = any(one.buttons for one in controls)
-        actions = Actions(calls, instance, session.handle, controls, spaces) if has_buttons else None
-        tracker.attach(calls, instance, spaces)
-        session.on_world_change = tracker.world_changes
-        frames = FrameCalls(calls, session.handle, opaque if opaque in modes else modes[0])
-        formats = [int(format_) for format_ in calls.call_once(xr.enumerate_swapchain_formats, session.handle)]
-        recommended = (views[0].recommended_image_rect_width, views[0].recommended_image_rect_height)
-        largest = (views[0].max_image_rect_width, views[0].max_image_rect_height)
-        has_depth = DEPTH_EXTENSION in instance.extensions and depth_format(formats) is not None
-        return Connection(
-            instance, session, spaces, frames, recommended, has_depth, largest, formats, stack.pop_all(), actions
-        )
+        self._made.close()
 
 
 SRGB8_A8, RGBA16F, RGBA8 = 0x8C43, 0x881A, 0x8058
@@ -268,3 +246,47 @@ class Projection:
         angles.angle_left, angles.angle_right = fov.left, fov.right
         angles.angle_down, angles.angle_up = fov.down, fov.up
         view._next = self._depth_pointers[eye] if with_depth else None
+
+
+class Quads:
+    """The quad layers (XrCompositionLayerQuad) of one session; each picture is handed over once."""
+
+    def __init__(self, calls: Calls, gpu: Gpu, session: xr.Session, spaces: Spaces, kind: int) -> None:
+        self._calls, self._gpu, self._session, self._spaces, self._kind = calls, gpu, session, spaces, kind
+        self._pictures: dict[moderngl.Texture, Swapchain] = {}
+
+    def layers(self, panels: Sequence[HeldPanel]) -> list[ctypes.Structure]:
+        """Return the layers of panels, the first behind the others. Errors: Lost."""
+        shown = {each.texture for each in panels}
+        for gone in self._pictures.keys() - shown:
+            self._pictures.pop(gone).destroy()
+        for texture in shown - self._pictures.keys():
+            made = Swapchain(self._calls, self._gpu, self._session, texture.size, self._kind)
+            self._pictures[texture] = made
+            made.write(_stored(texture, self._kind))
+        return [
+            xr.CompositionLayerQuad(
+                layer_flags=xr.CompositionLayerFlags.BLEND_TEXTURE_SOURCE_ALPHA_BIT,
+                space=self._spaces.head if panel.head_locked else self._spaces.world,
+                eye_visibility=xr.EyeVisibility.BOTH,
+                sub_image=self._pictures[texture].whole(),
+                pose=posef_of(panel.pose),
+                size=xr.Extent2Df(*panel.size_m),
+            )
+            for panel, texture in ((each.panel, each.texture) for each in panels)
+        ]
+
+    def close(self) -> None:
+        for picture in self._pictures.values():
+            picture.destroy()
+        self._pictures.clear()
+
+
+def _stored(texture: moderngl.Texture, kind: int) -> bytes:
+    """Return a picture as an image of that format holds it, rows as they are."""
+    light: NDArray[np.float16] = np.frombuffer(texture.read(alignment=1), np.float16).reshape(*texture.size[::-1], 4)
+    if kind == RGBA16F:
+        return light.tobytes()
+    colour, alpha = light[..., :3].astype(np.float32), light[..., 3:].astype(np.float32)
+    codes = srgb8_from_linear(colour) if kind == SRGB8_A8 else np.rint(255 * np.clip(colour, 0, 1)).astype(np.uint8)
+    return np.concatenate([codes, np.rint(255 * np.clip(alpha, 0, 1)).astype(np.uint8)], axis=2).tobytes()

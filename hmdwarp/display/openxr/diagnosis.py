@@ -88,9 +88,9 @@ def diagnose(
     return known.format(name=name, error=error, active=active, why=why, step=_STEPS[stage]), remedy
 
 
-def missing_extensions(name: str, extensions: list[str], pictures: bool = True) -> tuple[str, str]:
-    """Return what extensions the runtime lacks, and what to do. pictures: not for poses alone."""
-    missing = [] if not pictures or set(GRAPHICS_EXTENSIONS) & set(extensions) else [" or ".join(GRAPHICS_EXTENSIONS)]
+def missing_extensions(name: str, extensions: list[str]) -> tuple[str, str]:
+    """Return what extensions the runtime lacks, and what to do."""
+    missing = [] if set(GRAPHICS_EXTENSIONS) & set(extensions) else [" or ".join(GRAPHICS_EXTENSIONS)]
     missing += [] if CLOCK_EXTENSION in extensions else [CLOCK_EXTENSION]
     return (f"{name} lacks {' and '.join(missing)}", ANOTHER) if missing else ("", "")
 

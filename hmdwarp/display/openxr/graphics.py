@@ -46,27 +46,22 @@ def kinds(extensions: frozenset[str], environ: Mapping[str, str], system: str = 
 
     GLX: a window's context, which mirrors the left eye on the desktop. EGL: one without a window.
     WGL: as GLX, on Windows. The environment variable HMDWARP_OPENXR_GRAPHICS forces one.
-    Errors: InputError for another value of it; MachineError if none is left.
+    Errors: InputError for one that is not possible; MachineError if none is.
     """
-    requested = environ.get(VARIABLE, "").lower()
-    if requested not in ("", EGL, GLX, WGL):
-        raise InputError(f"{VARIABLE} is '{requested}': expected {EGL}, {GLX} or {WGL}")
     possible = []
     if OPENGL_EXTENSION in extensions and (system == "win32" or environ.get("DISPLAY")):
         possible.append(WGL if system == "win32" else GLX)
     if EGL_EXTENSION in extensions and system != "win32":
         possible.append(EGL)
-    left = [kind for kind in possible if requested in ("", kind)]
-    if left:
-        return left
-    if requested:
+    requested = environ.get(VARIABLE, "").lower()
+    if requested and requested not in possible:
+        raise InputError(f"{VARIABLE} is '{requested}': expected {' or '.join(possible) or 'none'} for this runtime")
+    if not possible:
         raise MachineError(
-            f"{VARIABLE} is '{requested}', and "
-            f"this runtime can be drawn for by {' or '.join(possible) or 'neither'} here"
+            f"the runtime takes pictures from a window only (no {EGL_EXTENSION}), and DISPLAY is not set: start an X "
+            "server"
         )
-    raise MachineError(
-        f"the runtime takes pictures from a window only (no {EGL_EXTENSION}), and DISPLAY is not set: start an X server"
-    )
+    return [requested] if requested else possible
 
 
 def open_graphics(instance: Instance, controls: tuple[Control, ...] = CONTROLS) -> Graphics:
@@ -80,8 +75,6 @@ def open_graphics(instance: Instance, controls: tuple[Control, ...] = CONTROLS) 
         gpu: Gpu | None = None
         try:
             if kind != EGL:
-                # GLX belongs to X11; this is read when glfw is first imported, which is now.
-                os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")
                 from .mirror_window import Mirror as Window
 
                 mirror = Window(controls)

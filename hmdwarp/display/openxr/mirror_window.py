@@ -6,12 +6,12 @@ import time
 from collections.abc import Sequence
 
 from ...gpu.textures import Canvas
-from .. import Closed, Command, Label, Status
+from .. import Command, Label, Status
 from ..controls import CONTROLS, Control, help_closes
 from ..desktop.window import Window
-from ..desktop.window_input import Keys, keys_of, token
-from ..desktop.window_system import start
-from ..present import Presenter, fitted
+from ..desktop.window_input import Keys, token
+from ..desktop.window_system import start, viewports
+from ..present import Presenter
 
 SIZE = (480, 480)
 TITLE_NS = 250_000_000
@@ -53,9 +53,7 @@ class Mirror:
 
     def poll(self) -> None:
         self._window.poll_events()
-        reason = self._window.over()
-        if reason:
-            raise Closed(reason)
+        self._window.check_open()
 
     def commands(self) -> Sequence[Command]:
         commands, self._commands = self._commands, []
@@ -76,15 +74,13 @@ class Mirror:
         if now_ns - self._drawn_ns < PERIOD_NS or self._window.hidden:
             return
         self._drawn_ns = now_ns
-        place = (0, 0, *self._window.framebuffer_size)
-        self._screen.viewport = place
+        size = self._window.framebuffer_size
+        self._screen.viewport = place = (0, 0, *size)
         self._screen.use()
         self._screen.clear()
         self._help = self._help and not help_closes(self._keys.controls, has_text_panel=not isinstance(label, str))
-        if self._help:  # every control that works here, a line each
-            shown = [one for one in filter(self._keys.status.offers, self._keys.controls) if one.what]
-            label = "\n".join(f"{keys_of(one)}\t{'end' if one.name == QUIT else one.what}" for one in shown)
-        into, text = fitted(panel.size, place) if panel else place, presenter.notice(label)
+        text = presenter.notice(self._keys.help_text(moves=False) if self._help else label)
+        (into,) = viewports(size, 1, panel.size[0] / panel.size[1]) if panel else (place,)
         presenter.show(panel, self._screen, into, hardware_srgb=False, notice=text)
         self._window.send()
 

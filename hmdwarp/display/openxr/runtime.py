@@ -15,6 +15,7 @@ import xr
 from xr import raw_functions
 
 from ...errors import HmdwarpError, MachineError
+from ...geometry import Polygon
 from ...resources import __version__
 from ...scenes import MOST_PANELS
 from .. import Closed, Lost
@@ -87,18 +88,9 @@ def _name_of(result: int) -> str:
 
 DEPTH_EXTENSION = "XR_KHR_composition_layer_depth"
 FLOOR_EXTENSION = "XR_EXT_local_floor"
-HEADLESS_EXTENSION = "XR_MND_headless"
-RATE_EXTENSION = "XR_FB_display_refresh_rate"
 MASK_EXTENSION = "XR_KHR_visibility_mask"
-WITH_PICTURES = (OPENGL_EXTENSION, EGL_EXTENSION, CLOCK_EXTENSION, DEPTH_EXTENSION, FLOOR_EXTENSION, MASK_EXTENSION)
-WITHOUT_PICTURES = (HEADLESS_EXTENSION, CLOCK_EXTENSION, FLOOR_EXTENSION, RATE_EXTENSION)
+USED = (OPENGL_EXTENSION, EGL_EXTENSION, CLOCK_EXTENSION, DEPTH_EXTENSION, FLOOR_EXTENSION, MASK_EXTENSION)
 NS = 1_000_000_000
-
-
-def offered_extensions(calls: Calls) -> list[str]:
-    """Return the runtime's extensions. Errors: MachineError where there is no runtime."""
-    calls.begin()
-    return sorted(_text(entry.extension_name) for entry in calls.call_once(xr.enumerate_instance_extension_properties))
 
 
 @attrs.define(eq=False)
@@ -126,17 +118,18 @@ class Instance:
             xr.destroy_instance(self.handle)
 
 
-def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
+def open_instance(calls: Calls) -> Instance:
     """Connect to the runtime's service and find the headset.
 
-    wanted: extensions to enable if offered.
     Errors: MachineError naming what is missing.
     """
-    offered = offered_extensions(calls)
-    words, remedy = missing_extensions(calls.name, offered, pictures=HEADLESS_EXTENSION not in wanted)
+    calls.begin()
+    entries = calls.call_once(xr.enumerate_instance_extension_properties)
+    offered = [_text(entry.extension_name) for entry in entries]
+    words, remedy = missing_extensions(calls.name, offered)
     if words:
         raise MachineError(f"{words}: {remedy}")
-    on = [name for name in wanted if name in offered]
+    on = [name for name in USED if name in offered]
     calls.stage = "instance"
     application = xr.ApplicationInfo(
         application_name="hmdwarp", engine_name=f"hmdwarp {__version__}", api_version=xr.Version(1, 0, 0)
@@ -186,21 +179,19 @@ _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
 
 
 class Session:
-    """An OpenXR session.
+    """An OpenXR session. binding: the graphics to draw with.
 
-    binding: the graphics to draw with; None for a session without pictures. It is kept referenced,
-    because the runtime may read it again.
     Source: OpenXR 1.1 specification, Session Lifecycle.
     """
 
-    def __init__(self, calls: Calls, instance: Instance, binding: ctypes.Structure | None) -> None:
+    def __init__(self, calls: Calls, instance: Instance, binding: ctypes.Structure) -> None:
+        # The binding is kept referenced: the runtime may read it again.
         self._calls, self._instance, self._binding = calls, instance, binding
         self.state = State.UNKNOWN  # the newest one
         self.running = False  # between xrBeginSession and xrEndSession
-        pointer = None if binding is None else ctypes.cast(ctypes.pointer(binding), ctypes.c_void_p)
-        self.handle = calls.call_once(
-            xr.create_session, instance.handle, xr.SessionCreateInfo(system_id=instance.system, next=pointer)
-        )
+        pointer = ctypes.cast(ctypes.pointer(binding), ctypes.c_void_p)
+        info = xr.SessionCreateInfo(system_id=instance.system, next=pointer)
+        self.handle = calls.call_once(xr.create_session, instance.handle, info)
         # Called with the kind of a reference space that gets another origin, and when it does.
         self.on_world_change: Callable[[int, int], None] = lambda kind, time: None
         # Called when the part of a view that the lens hides has changed.
@@ -250,9 +241,7 @@ _LAYER = ctypes.POINTER(xr.CompositionLayerBaseHeader)
 MOST_LAYERS = 1 + MOST_PANELS
 
 
-def hidden_triangles(
-    calls: Calls, instance: Instance, session: xr.Session, eye: int
-) -> tuple[tuple[tuple[float, float], ...], ...]:
+def hidden_triangles(calls: Calls, instance: Instance, session: xr.Session, eye: int) -> tuple[Polygon, ...]:
     """Return what the lens hides of an eye's view, in tangents; none where that is not known.
 
     Source: OpenXR 1.0, XR_KHR_visibility_mask: vertices lie on the plane z = -1.
@@ -274,9 +263,7 @@ def hidden_triangles(
     return triangles_of([(vertex.x, vertex.y) for vertex in vertices], list(indices[: mask.index_count_output]))
 
 
-def triangles_of(
-    vertices: Sequence[tuple[float, float]], indices: Sequence[int]
-) -> tuple[tuple[tuple[float, float], ...], ...]:
+def triangles_of(vertices: Sequence[tuple[float, float]], indices: Sequence[int]) -> tuple[Polygon, ...]:
     """Return the triangles of a runtime's mesh, none for one with a wrong index."""
     if len(indices) % 3 or any(index >= len(vertices) for index in indices):
         return ()

@@ -22,13 +22,11 @@ from ...client.classes import Client, load_client
 from ...client.plan import needs_of
 from ...errors import HmdwarpError, InputError, MachineError
 from ...gpu.context import Gpu
-from ...gpu.timers import check_clocks
 from ...headsets import Headset
 from ...metrics import (
     BOUND,
     PRIMARY,
     QUALITY,
-    TRUTH_JOD,
     MeasuringProcesses,
     Mismatch,
     QualityJob,
@@ -36,17 +34,13 @@ from ...metrics import (
     at_instants,
     blocks_apart,
     blocks_text,
-    check_rating,
-    clip_length,
     db_of,
-    metrics,
     pooled,
 )
 from ...options import PAPER
 from ...options.documents import json_in
 from ...options.identity import hash_of_files, program_hash
 from ...options.named_files import RESULTS
-from ...pipeline.levels import choose
 from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.sizes import build_plan_for, check_held, eye_sizes
 from ...pipeline.source import Source
@@ -55,7 +49,7 @@ from ...report import SCHEMA, OutputFolder, summary_faults, write_paper
 from ...report.bench.crops import Crops, packed, unpacked
 from ...report.bench.page import bench_page
 from ...report.bench.rows import COLUMNS, Columns, cases, first_cases, row_name, table_of
-from ...resources import __version__, import_extra
+from ...resources import import_extra
 from ...run import measuring
 from ...run.options import refuse_one_name
 from ...run.run import ReplayRun, set_up_replay
@@ -77,13 +71,11 @@ from .cases import (
 )
 from .options import DEFAULT_SIZES, BenchOptions, MergeOptions
 from .suite_means import suite_entry
-from .suites import cost_text, suites
+from .suites import suites
 
 OUTSIDE_LACKS = "it is another library's, run on the CPU to compare with"
 ORACLE_LACKS = "it knows the depth of the truth, which no client has"
 Row = Mapping[str, Any]
-# Keys of a row that grow with its pictures.
-LONG = ("at_instants", "blocks", "jod", "jod_failure")
 # What a notebook shows of each row.
 _SHOWN = ("trace", "scene", "latency_ms", "strategy", "warp", "fill", "flip", "psnr_db", "ssim", "total_ms")
 OF_NOTEBOOK = tuple(COLUMNS[name] for name in _SHOWN)
@@ -129,37 +121,6 @@ def flat(rows: Iterable[Row], columns: Columns) -> Iterator[dict[str, Any]]:
     return ({column.name: column.value(row) for column in filed} for row in rows)
 
 
-def typed(rows: Iterable[Row], columns: Columns) -> Iterator[dict[str, Any]]:
-    """Yield them with the types of the columns; None where a number is not known."""
-    for row in flat(rows, columns):
-        yield {name: None if value is None else columns[name].kind(value) for name, value in row.items()}
-
-
-def about_rating(clip_s: float, rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return what a bench says of its JOD, nothing where it has none. rows: all of it."""
-    failures = list(dict.fromkeys(row["jod_failure"] for row in rows if "jod_failure" in row))
-    display = next((row["jod"]["display"] for row in rows if "jod" in row), None)
-    if not clip_s or display is None:
-        return failures
-    return [
-        *failures,
-        f"JOD by ColorVideoVDP, where {TRUTH_JOD:g} is like the truth: of clips of {clip_s:g} s that end at each "
-        f"instant, before the lens, at {display['rate_hz']:g} Hz, {display['pixels_per_degree']:.1f} pixels per degree "
-        f"and {display['peak_cd_m2']:g} cd/m2. Predicted from the pictures: no one was asked.",
-    ]
-
-
-def write_parquet(path: Path, rows: Iterable[Mapping[str, Any]]) -> None:
-    """Write rows as a table, null for what is not known. Errors: MachineError without pyarrow."""
-    pa = import_extra("pyarrow", "pyarrow", "study")
-    parquet = import_extra("pyarrow.parquet", "pyarrow", "study")
-    kinds = {str: pa.string(), int: pa.int64(), float: pa.float64()}
-    fields = [(column.name, kinds[column.kind]) for column in COLUMNS.values() if column.is_filed]
-    schema = pa.schema(fields, metadata={"made_by": f"hmdwarp {__version__}"})
-    with parquet.ParquetWriter(path, schema) as writer:
-        rows = typed(rows, COLUMNS)
-        while group := list(itertools.islice(rows, 10_000)):  # what is in memory at once
-            writer.write_table(pa.Table.from_pylist(group, schema=schema))
 
 
 class Rows(list[dict[str, Any]]):
@@ -181,25 +142,14 @@ class Rows(list[dict[str, Any]]):
 
 
 def left_out_notes(rows: Sequence[Row], client: Client) -> list[str]:
-    """Return which rows of bench.json the front leaves out, and what they would gain."""
+    """Return which rows of bench.json the front leaves out."""
     rows = [row for row in rows if row["warp"] != measuring.ORACLE]
     lacking = [row for row in rows if row["lacks"]]
     if not lacking:
         return []
 
-    def figures(row: Row) -> str:
-        total = row["time_ms"]["total"]["median"]
-        return f"{metrics.get(PRIMARY).short_figure.label} {row['quality'][PRIMARY]['mean']:.3f} in {total:.2f} ms"
-
     names = ", ".join(dict.fromkeys(map(row_name, lacking)))
-    notes = [f"Not in the front: client '{client.name}' ({client.summary}) cannot run {names}. --client names another."]
-    for case in cases(rows):
-        ordered = [row for row in case.ordered() if row["quality"][PRIMARY]["mean"] is not None]
-        best = next((row for row in ordered if not row["lacks"]), None)
-        if best is not None and ordered[0]["lacks"]:
-            gain = f"{case.label}: a client that can run {row_name(ordered[0])} would have {figures(ordered[0])}"
-            notes.append(f"{gain}, where {row_name(best)} has {figures(best)}; {ordered[0]['lacks']}.")
-    return notes
+    return [f"Not in the front: client '{client.name}' ({client.summary}) cannot run {names}. --client names another."]
 
 
 ROWS, CROPS = "rows", "crops.npz"
@@ -211,7 +161,7 @@ MOST_CROPS = 3  # cases of a page that have crops: a megabyte each
 def examined() -> tuple[dict[str, Any], float]:
     """Return what bench.json says of this machine, and most_bytes: once in each process."""
     with Gpu() as gpu:
-        clocks = check_clocks(gpu.gl, gpu.timer.clock)
+        clocks = gpu.timer.check
         about = {
             "machine": {**machine_of(gpu), "host": platform.node()},
             "clock": clocks.clock,
@@ -241,10 +191,8 @@ def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[flo
     work: BenchCase = prepared(case.what)
     options, client, pool = work.options, load_client(work.options.client), QualityPool(processes)
     about, most = examined()
-    seconds, rate_hz = options.jod_s, options.rate_hz or work.headset.refresh_hz
     chosen = work.batched(most)
-    rated = work.batched(most, clip_length(seconds, rate_hz)) if seconds else []  # whose clips fit in together
-    shares = (done / (work.instants * (len(chosen) + len(rated))) for done in itertools.count(1))
+    shares = (done / (work.instants * len(chosen)) for done in itertools.count(1))
 
     def steps() -> None:
         step(next(shares))
@@ -256,12 +204,7 @@ def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[flo
             comparison.run(options.instants, steps)
             pool.wait()
             rows += [(each.combination, row_of(setup, work.case, each, pool, client)) for each in comparison.measured]
-    ratings: dict[tuple[str, ...], dict[str, Any]] = {}
-    for batch in rated:  # after all times: no timed run has these refreshes between its own
-        with work.set_up(batch) as setup:
-            found = measuring.rate_clips(setup, batch, options.instants, steps)
-        ratings |= {_named(c): each for c, each in zip(batch, found, strict=True)}
-    measured = [{**row, **ratings.get(_named(c), {}), "machine": about["machine"]} for c, row in rows]
+    measured = [{**row, "machine": about["machine"]} for _, row in rows]
     crops = [] if options.suite else _crops(work, chosen, rows, QualityPool(processes))
     return Result({**about, ROWS: measured}, {CROPS: packed(crops)} if crops else {})
 
@@ -283,18 +226,12 @@ def _crops(
         wanted = [made_by[id(row)] for row in best if made_by[id(row)] in batch]
         if not wanted:
             continue
-        with (
-            set_up_replay(work.run_of(batch), needs_of(c.plan for c in wanted)) as setup,
-            measuring.SideBySide(setup, wanted) as beside,
-        ):
+        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in wanted)) as setup:
+            beside = measuring.SideBySide(setup, wanted)
             measured = measuring.instants_of(setup.schedule.count, work.options.instants)
             turns = {number: measured.index(number) for number in numbers.values()}
-            for number, refresh in beside.refreshes({*turns, *beside.run_in(turns)}):
-                if number not in turns:
-                    beside.teach(refresh)
-                    continue
-                eye = turns[number] % len(refresh.inputs)
-                pictures = beside.pictures(refresh, eye, beside.truth(refresh.inputs[eye]))
+            for number, refresh in beside.refreshes(turns, turns):
+                pictures = beside.pictures(refresh, turns[number] % len(refresh.inputs))
                 for combination, picture in zip(wanted, pictures, strict=True):
                     setup.hand_in(pool, (number, *_named(combination)), QualityJob(picture), keep=True)
             pool.wait()
@@ -377,7 +314,7 @@ def about_sequence(options: BenchOptions) -> dict[str, Any]:
     return {"name": source.scene.name, "sha256": hash_of_files(options.frames), "noise_floor_db": floor}
 
 
-FILES = ("bench.csv", "bench.html", "bench.parquet", *PAPER, "bench.json")
+FILES = ("bench.csv", "bench.html", *PAPER, "bench.json")
 Progress = Callable[[int, int], None]
 
 
@@ -408,10 +345,6 @@ def bench(
         For what the machine lacks.
     """
     options = BenchOptions.checked(options)
-    if options.parquet:
-        import_extra("pyarrow.parquet", "pyarrow", "study")  # before a long run
-    if options.jod_s and options.sweep.cluster is None:
-        check_rating()
     source = source_of(options, options.scenes[0])
     headset = source.headset
     client = load_client(options.client)
@@ -430,13 +363,12 @@ def bench(
     if options.sweep.cluster is None:
         check_room(works)
     if options.suite:
-        pictures = [case.instants * len(case.combinations) for case in works]
-        say(cost_text(options.suite, [case.case.size for case in works], pictures, options.workers))
+        pictures = sum(case.instants * len(case.combinations) for case in works)
+        say(f"suite {options.suite} {suites()[options.suite].version}: {len(works)} cases, {pictures} pictures")
     work = Measuring(run_case, options.sweep.measuring(options.workers))
     with experiment(options, FILES, work, list(map(_case, works)), progress, say) as (out, swept, described):
         rows = swept.rows(lambda result: result.get(ROWS, ()))
         first = next(result for _, result in swept.results())
-        choice, refused = _choice(rows, options.budget_ms)
         data = described(
             {
                 "program": program_hash(),
@@ -444,18 +376,16 @@ def bench(
                 "client": client.name,
                 "notes": [
                     *notes,
-                    *about_rating(options.jod_s, rows),
-                    *left_out_notes([*first_cases(rows, MOST_SHOWN)[0].values()], client),
+                    *left_out_notes(rows, client),
                     *(f"{failure.name}: failed: {failure.why}" for failure in swept.failed),
                 ],
                 "rows": rows,
                 **suite_entry(options.suite, rows, [about_sequence(part) for part in parts if part.frames is not None]),
-                "choice": choice,
             }
         )
         files = (swept.kept.file(case.identity, CROPS) for case in itertools.islice(swept.done, MOST_CROPS))
         write_bench(out, data, options, [unpacked(path.read_bytes()) if path.exists() else [] for path in files])
-    return ExperimentResult(options.out, data, options.out / "bench.html", swept, refused, OF_NOTEBOOK)
+    return ExperimentResult(options.out, data, options.out / "bench.html", swept, OF_NOTEBOOK)
 
 
 def _case(work: BenchCase) -> SweepCase:
@@ -489,26 +419,11 @@ def _checked(options: BenchOptions, headset: Headset, source: Source) -> tuple[l
     return works, notes
 
 
-def _choice(rows: Iterable[Mapping[str, Any]], budget_ms: float | None) -> tuple[dict[str, Any] | None, str]:
-    """Return the choice for the budget, or why there is none: too small a one discards no run."""
-    if budget_ms is None:
-        return None, ""
-    unread = {*LONG} - {"at_instants"}
-    can = [{k: row[k] for k in row if k not in unread} for row in rows if not (row["lacks"] or row.get("strategy"))]
-    try:
-        choice = choose(can, budget_ms)
-        return {**choice, "winners": [case.within(budget_ms).verdict() for case in cases(can)[:MOST_CROPS]]}, ""
-    except InputError as error:
-        return None, str(error)
-
-
 def write_bench(
     out: OutputFolder, data: dict[str, Any], options: BenchOptions | MergeOptions, crops: Sequence[Sequence[Crops]] = ()
 ) -> None:
     """Write table, page and bench.json, whose content is `data`; crops: of the first cases."""
     out.write_csv("bench.csv", flat(data["rows"], COLUMNS), NAMES)
-    if options.parquet:
-        write_parquet(out.path("bench.parquet"), data["rows"])
     rows, count = first_cases(data["rows"], MOST_SHOWN)
     data["winners"] = [case.verdict() for case in cases(rows.values())]
     notes = [f"This page shows the first {MOST_SHOWN} of {count} cases; bench.csv and bench.json have all."]
@@ -553,8 +468,6 @@ def merge(options: MergeOptions) -> ExperimentResult:
     MachineError
         Where two machines showed different pictures.
     """
-    if options.parquet:
-        import_extra("pyarrow.parquet", "pyarrow", "study")
     try:
         benches = [_read(folder) for folder in options.folders]
         folders = options.folders
@@ -583,7 +496,6 @@ def merge(options: MergeOptions) -> ExperimentResult:
             "command": options.command,
             "notes": notes,
             "rows": rows,
-            "choice": None,
             "seconds": sum(bench["seconds"] for bench in benches),
         }
         with OutputFolder(options.out, owned=FILES[:-1], last=FILES[-1], force=options.force) as out:
@@ -616,7 +528,10 @@ def read(folder: str | os.PathLike[str]) -> Rows:
     InputError
         For a folder without a bench, or with a damaged one.
     """
-    return Rows(typed(_read(Path(folder))["rows"], COLUMNS))
+    rows = flat(_read(Path(folder))["rows"], COLUMNS)
+    return Rows(
+        {name: None if value is None else COLUMNS[name].kind(value) for name, value in row.items()} for row in rows
+    )
 
 
 def _read(folder: Path) -> dict[str, Any]:

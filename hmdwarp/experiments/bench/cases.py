@@ -26,7 +26,7 @@ from ...pipeline.sizes import build_plan_for, check_suited, guarded_size
 from ...pipeline.source import Source
 from ...poses import LoadedTrace, PoseTrack, load_trace
 from ...run.measuring import OUTSIDE, PLANLESS, Case, Combination, batches, instants_of, missing, outside_plan
-from ...run.options import RunOptions, refuse_traces_of_one_name
+from ...run.options import RunOptions, refuse_one_name
 from ...run.run import ReplayRun, first_shown_s, schedule_for, schedule_of, set_up_replay
 from ...scenes import CONVERGED, Scene
 from ...sources.sequences import open as open_sequence
@@ -50,7 +50,7 @@ def heads_of(options: RecordedOptions, source: Source) -> dict[str, LoadedTrace]
         head = source.head(load_trace(name, options.trace_options) if name else None)
         if head is not None:
             heads[name] = head
-    refuse_traces_of_one_name(heads)
+    refuse_one_name("recordings", {text: trace.track.name or trace.path.stem for text, trace in heads.items()})
     return heads
 
 
@@ -243,10 +243,10 @@ class BenchCase:
         """Return the set-up of that run, with frames for all of the batch."""
         return set_up_replay(self.run_of(batch), needs_of(c.plan for c in batch))
 
-    def batched(self, most_bytes: float, pictures: int = 0) -> list[list[Combination]]:
-        """Return the combinations that fit in so many bytes together, each with some pictures."""
+    def batched(self, most_bytes: float) -> list[list[Combination]]:
+        """Return the combinations that fit in so many bytes together."""
         rendered = guarded_size(guard_band(self.options), self.headset, self.case.size)
-        return batches(self.combinations, rendered, self.case.size, most_bytes, pictures)
+        return batches(self.combinations, rendered, self.case.size, most_bytes)
 
 
 def options_of_case(options: BenchOptions, case: Case, start_s: float) -> BenchOptions:
@@ -260,8 +260,6 @@ def options_of_case(options: BenchOptions, case: Case, start_s: float) -> BenchO
         sizes=(case.size,),
         server_rates_hz=() if case.server_rate_hz is None else (case.server_rate_hz,),
         start_s=start_s,
-        budget_ms=None,
-        parquet=False,
     )
 
 

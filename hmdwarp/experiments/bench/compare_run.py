@@ -34,9 +34,9 @@ from ...run.run import first_shown_s, schedule_for
 from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Measuring, Result, SweepCase, experiment
 from .bench_run import flat
 from .cases import heads_of
-from .options import SIZE, CompareOptions
+from .options import CompareOptions
 from .suite_means import MEASURES, compared_entry
-from .suites import cost_text
+from .suites import suites
 
 _DUPLICATE = (
     "nothing in '{scene}' calls for it, so that it would do what '{alike}' does; name it by --strategy to run it"
@@ -79,15 +79,15 @@ def compare(
     """
     options = CompareOptions.checked(options)
     clients = [load_client(name) for name in options.clients]
-    runs, left_out, counted = list[RunOptions](), list[dict[str, str]](), list[tuple[int, int]]()
+    runs, left_out = list[RunOptions](), list[dict[str, str]]()
     for scene in options.scenes:
-        own, left, counts = _checked(attrs.evolve(options, scene=scene))
-        runs, left_out, counted = runs + own, left_out + left, counted + counts
+        own, left = _checked(attrs.evolve(options, scene=scene))
+        runs, left_out = runs + own, left_out + left
     cases = [_case(run, options.clients) for run in runs]
     if options.suite:
-        seen, drawn = zip(*counted, strict=True)
-        say(cost_text(options.suite, [run.size or SIZE for run in runs], seen, options.workers, drawn))
-        say(f"{sum(run.seconds or 0 for run in runs) / 60:.1f} min of motion are drawn, sent and shown")
+        minutes = sum(run.seconds or 0 for run in runs) / 60
+        version = suites()[options.suite].version
+        say(f"suite {options.suite} {version}: {len(runs)} runs, {minutes:.1f} min of motion are drawn, sent and shown")
 
     work = Measuring(_run_part, options.sweep.measuring(options.workers))
     with experiment(options, FILES, work, cases, progress, say) as (out, swept, described):
@@ -130,8 +130,8 @@ def over_text(network: LinkOptions) -> str:
     return ", ".join(words if loss is None else [*words, f"{100 * loss.mean:g} % lost"])
 
 
-def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, str]], list[tuple[int, int]]]:
-    """Return the options of every run, what is left out and why, and pictures: measured, drawn.
+def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, str]]]:
+    """Return the options of every run, what is left out and why.
 
     Strategies not named are left out where the scene does not call for them, where they would do
     what another one does, and where recorded frames lack what they send.
@@ -170,13 +170,11 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
     start_s = max([options.start_s, *(first_shown_s(run, rate_hz) for run in latest)])
     cases = itertools.product(options.recordings, over, options.latencies_ms, chosen)
     runs = [_run_options(one, text, recording, latency, start_s) for recording, one, latency, text in cases]
-    traces, pictures = heads_of(options, source), []
+    traces = heads_of(options, source)
     for run in runs:
         codecs.get(run.coding.codec)
-        schedule = schedule_for(run, source, traces[run.trace], rate_hz)
-        drawn = schedule.count + schedule.age + schedule.ahead
-        pictures.append((2 * -(-schedule.count // run.metrics_every), 2 * drawn))
-    return runs, left_out, pictures
+        schedule_for(run, source, traces[run.trace], rate_hz)
+    return runs, left_out
 
 
 def _run_options(options: CompareOptions, text: str, recording: str, latency_ms: float, start_s: float) -> RunOptions:

@@ -52,11 +52,6 @@ def _size(value: Any) -> Size:
     return sides
 
 
-def parquet_field() -> Any:
-    """Return the field that asks for the table as Parquet too."""
-    return option(False, "Write the table as bench.parquet too; needs pyarrow.")
-
-
 DEFAULT_SIZES = ((1280, 800),)
 
 
@@ -129,22 +124,9 @@ class BenchOptions(RecordedOptions):
     # instant. Two rounds for both eyes at each make 24 times per combination.
     instants: int = option(6, "Refreshes measured in each case, evenly spread.", valid=Number(least=1))
     rounds: int = option(2, "Timed runs at each instant, after one to warm up.", valid=Number(least=1))
-    # 0 for not at all.
-    jod_s: float = same_as(
-        _RUN.jod_s,
-        help="Also rate a clip of this many seconds that ends at each instant, with ColorVideoVDP "
-        "(pip install '.[jod]'); slow.",
-    )
-    # All combinations are measured; the front and the budget are for those that it can run.
-    client: str = same_as(
-        _RUN.client, PICTURE_CLIENT, help="Client for the Pareto front and --budget; everything is measured."
-    )
-    # Chooses the most accurate combination within it.
-    budget_ms: float | None = same_as(
-        _RUN.budget_ms, help="Milliseconds for one eye: name the most accurate combination within them."
-    )
+    # All combinations are measured; the front is of those that it can run.
+    client: str = same_as(_RUN.client, PICTURE_CLIENT, help="Client for the Pareto front; everything is measured.")
     out: Path = out_field(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.")
-    parquet: bool = parquet_field()
     paper: PaperOptions = group(PaperOptions)
 
     @classmethod
@@ -165,7 +147,6 @@ class MergeOptions(Declared):
         parse=lambda texts: tuple(path_of(text, "DIR") for text in texts),
     )  # fmt: skip
     out: Path = out_field(attrs.NOTHING, "Folder for bench.csv, bench.json and bench.html of all.")
-    parquet: bool = parquet_field()
     force: bool = force_field()
     command: str = ""
 

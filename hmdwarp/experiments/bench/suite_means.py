@@ -5,16 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
+import numpy as np
+from numpy.typing import NDArray
 
 from ...metrics import LEVEL, PRIMARY, metrics
 from ...run.measuring import ORACLE
 from .suites import FIT, HELD_OUT, half_of, suites
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 Row = Mapping[str, Any]
 Method = tuple[str, str]
@@ -136,8 +135,6 @@ class Clusters:
         Heads and scenes are drawn with replacement, the same ones at every call.
         Source: Owen 2007, The pigeonhole bootstrap.
         """
-        import numpy as np
-
         rng, weights = np.random.default_rng(0), np.ones((_DRAWS, len(self.heads)))
         for kind in (self.heads, self.scenes):
             names, place = np.unique(kind, return_inverse=True)
@@ -152,8 +149,6 @@ class Clusters:
 
     def tail(self, group: Sequence[Row], measure: str) -> dict[str, Any]:
         """Return p95 of the pictures of all cases, and its interval over the draws."""
-        import numpy as np
-
         at = [list(row["at_instants"][measure].values()) for row in group]
         values, case = np.concatenate(at), np.repeat(np.arange(len(at)), [len(each) for each in at])
         order = np.argsort(values if not metrics.get(measure).higher_is_better else -values)
@@ -165,15 +160,12 @@ class Clusters:
 
 
 def _middle(draws: NDArray[Any]) -> list[float]:
-    import numpy as np
-
     found: list[float] = np.quantile(draws, [(1 - LEVEL) / 2, (1 + LEVEL) / 2]).tolist()
     return found
 
 
 def ranks_of(methods: Mapping[Method, Sequence[Row]]) -> dict[Method, dict[str, Any]]:
     """Return the `rank` of each method in the cases that all have; none for few heads or scenes."""
-    import numpy as np
     from scipy.stats import rankdata
 
     found = [_by_case(group) for group in methods.values()]
@@ -202,7 +194,6 @@ def clustered_interval(
     counts = [len(set(kind)) for kind in kinds]
     if min(counts) < LEAST_CLUSTERS:
         return None
-    import numpy as np
     from scipy.special import stdtrit
 
     series = np.asarray(values, np.float64)

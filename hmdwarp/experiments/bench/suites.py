@@ -1,27 +1,20 @@
-"""Named benchmarks: what they set, and what they cost."""
+"""Named benchmarks: what they set."""
 
 from __future__ import annotations
 
 import functools
-import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import attrs
 
-from ... import metrics
 from ...errors import InputError, unknown_name
 
 # Halves of scenes and heads.
 FIT, HELD_OUT = "fit", "held_out"
 _FILE = Path(__file__).with_name("suites.toml")
-# FLIP and SSIM of a 1280x800 picture take 0.6 s of a core; drawing and warping for 30 pictures of
-# 480x300, two instants of a case of `standard`, 8 to 13 s without a GPU.
-_S_PER_PIXEL, _DRAWN_S_PER_PIXEL = 0.6 / (1280 * 800), 10 / (30 * 480 * 300)
-# A comparison draws, codes and warps every refresh: 72 runs of 64 pictures of 640x400 took 14 min.
-_S_PER_RUN, _RUN_S_PER_PIXEL = 2.5, 9 / (64 * 640 * 400)
 
 
 @attrs.frozen
@@ -86,27 +79,3 @@ def with_suite(said: Mapping[str, Any], *, compares: bool = False) -> Mapping[st
             flag = "a trace" if name in ("traces", "trace") else f"--{name.replace('_', '-')}"
             raise InputError(f"{flag} with --suite {suite.name}: the suite says what is run; leave one of them out")
     return {**said, **{name: value for name, value in sets.items() if not compares or name not in ("scene", "links")}}
-
-
-def cost_text(
-    name: str,
-    sizes: Sequence[tuple[int, int]],
-    pictures: Sequence[int],
-    workers: int | None,
-    drawn: Sequence[int] | None = None,
-) -> str:
-    """Return what a suite will cost, in one sentence.
-
-    sizes, pictures: (w, h) and the number of measured pictures of each case. drawn: of those that
-    are drawn and shown, for runs.
-    """
-    suite, count = suites()[name], max(metrics.worker_count(workers), 1)
-    pixels = sum(w * h * n for (w, h), n in zip(sizes, pictures, strict=True))
-    drawn_s = pixels * _DRAWN_S_PER_PIXEL
-    if drawn is not None:
-        drawn_s = sum(_S_PER_RUN + w * h * n * _RUN_S_PER_PIXEL for (w, h), n in zip(sizes, drawn, strict=True))
-    return (
-        f"suite {name} {suite.version}: {len(sizes)} cases, {sum(pictures)} pictures to measure, about "
-        f"{math.ceil(pixels * _S_PER_PIXEL / count / 60)} min for the metrics of {count} processes; without a GPU "
-        f"drawing and warping take about {math.ceil(drawn_s / 60)} min of one core more"
-    )

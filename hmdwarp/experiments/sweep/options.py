@@ -10,16 +10,15 @@ from typing import Any, ClassVar
 import attrs
 
 from ...errors import InputError
-from ...options import Declared, force_field, group, one_of, option, option_of, same_as
+from ...options import Declared, force_field, group, option, option_of, same_as
 from ...pipeline.options import with_headset
 from ...poses.options import TraceOptions
-from ...run.options import RunOptions, recordings_field, with_recordings
+from ...run.options import RunOptions, recordings_field
 from ...scenes.options import SceneOptions
 from ...sources.sequences.options import SequenceOptions
 
 LOCAL = r"local:([1-9][0-9]{0,2})"
 _ADDRESS = r"([a-z]+://[^\s/]+|(?!local:)[^\s/:]+):[1-9][0-9]*"
-EACH, ONE = "each", "one"
 # In place of a recording: the head of the camera whose frames are used.
 OWN_HEAD = ""
 _OF_EVERY_RUN = (
@@ -56,28 +55,6 @@ class KeptOptions(ClusterOptions):
 
     heading = "Many cases"
     resume: bool = option(False, "Continue the run in this folder: run only the missing and failed cases.")
-
-    @property
-    def in_turn(self) -> bool:
-        """Whether one case runs after the other, all on one machine."""
-        return False
-
-
-@attrs.frozen(kw_only=True)
-class SweepOptions(KeptOptions):
-    """How a set of cases is run that are timed and compared with each other."""
-
-    timing_on: str = option(
-        EACH,
-        "With --cluster, time cases on each machine that runs them, or all of them on one.",
-        metavar="WHICH",
-        valid=one_of(EACH, ONE),
-        limits="each or one",
-    )
-
-    @property
-    def in_turn(self) -> bool:
-        return self.timing_on == ONE
 
 
 def own_first(kind: type, fields: Sequence[attrs.Attribute[Any]]) -> list[attrs.Attribute[Any]]:
@@ -117,12 +94,11 @@ class RecordedOptions(ExperimentOptions):
     jod_s: float = same_as(_RUN.jod_s)
     workers: int | None = same_as(_RUN.workers)
     trace_options: TraceOptions = group(TraceOptions)
-    sweep: SweepOptions = group(SweepOptions)
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that were set. Errors: InputError for one that frames decide."""
-        said = with_headset(with_recordings(said), option_of(attrs.fields(cls).headset).default)
+        said = with_headset(said, option_of(attrs.fields(cls).headset).default)
         values = super().values_of(said)
         if values.get("frames") is None:
             return values

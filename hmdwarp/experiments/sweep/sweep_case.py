@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import bisect
 import concurrent.futures
-import io
 import itertools
 import logging
 import os
-import pickle
 import platform
 import re
-import socket
 import threading
 import time
 import traceback
@@ -20,7 +16,6 @@ import uuid
 from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
-from datetime import datetime
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -30,7 +25,7 @@ from ...errors import HmdwarpError, InputError, MachineError
 from ...gpu.context import contexts_kept
 from ...metrics import MeasuringProcesses, worker_count
 from ...options.documents import json_in
-from ...options.identity import files_at, hash_of_files, identity_of, is_place, whole_program_hash
+from ...options.identity import identity_of, whole_program_hash
 from ...options.named_files import RESULTS
 from ...platforms import lock
 from ...report import SCHEMA, OutputFolder, write_bytes, write_json
@@ -136,66 +131,25 @@ class KeptCases:
 
 @contextmanager
 def held(folder: Path) -> Iterator[None]:
-    """Keep other runs out of a folder. Errors: MachineError that says who holds it since when."""
-    path, is_there = folder / ".lock", False
-    while not is_there:
-        file = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
-        try:
-            lock(file)
-            is_there = path.exists() and os.path.samestat(os.fstat(file), path.stat())
-        except BlockingIOError as error:
-            holder = os.read(file, 500).decode(errors="replace").strip()
-            os.close(file)
-            raise MachineError(
-                f"{folder}: another run writes here ({holder}): end it first, wait, or take another folder"
-            ) from error
-        except OSError:  # a file system that locks nothing
-            is_there = True
-        if not is_there:
-            os.close(file)  # its holder has just deleted it
+    """Keep other runs out of a folder. Errors: MachineError if one writes there."""
+    place = folder / FOLDER
+    place.mkdir(parents=True, exist_ok=True)
+    handle = os.open(place, os.O_RDONLY)
     try:
-        now = datetime.now().astimezone()
-        os.ftruncate(file, 0)  # what one that was killed has written
-        os.write(file, f"since {now:%H:%M on %Y-%m-%d}, process {os.getpid()} on {socket.gethostname()}".encode())
+        with suppress(OSError):  # of a file system that locks nothing
+            try:
+                lock(handle)
+            except BlockingIOError as error:
+                why = f"{folder}: another run writes here: end it first, wait, or take another folder"
+                raise MachineError(why) from error
         yield
+        with suppress(OSError):  # cases are kept there
+            place.rmdir()
     finally:
-        path.unlink(missing_ok=True)
-        os.close(file)
+        os.close(handle)
 
 
 Row = dict[str, Any]
-# The rows in the result of a case; a case may have none.
-RowsOf = Callable[[Any], Sequence[Row]]
-
-
-class KeptRows(Sequence[Row]):
-    """The rows of cases that are done, case by case; each is read when it is asked for."""
-
-    def __init__(self, kept: KeptCases, identities: Sequence[str], rows_of: RowsOf) -> None:
-        self._kept, self._rows_of = kept, rows_of
-        counts = {identity: len(self._read(identity)) for identity in identities}
-        self._identities = [identity for identity, count in counts.items() if count]
-        # The number of the first row after each of these cases.
-        self._ends = list(itertools.accumulate(counts[identity] for identity in self._identities))
-
-    def __len__(self) -> int:
-        return self._ends[-1] if self._ends else 0
-
-    def __iter__(self) -> Iterator[Row]:
-        for identity in self._identities:
-            yield from self._read(identity)
-
-    def __getitem__(self, at: Any) -> Any:
-        if isinstance(at, slice):
-            return [self[number] for number in range(*at.indices(len(self)))]
-        number = range(len(self))[at]
-        case = bisect.bisect_right(self._ends, number)
-        return self._read(self._identities[case])[number - self._ends[case]]
-
-    def _read(self, identity: str) -> Sequence[Row]:
-        return self._rows_of(self._kept.result(identity))
-
-
 Say = Callable[[str], None]
 # Takes the share of a case that is done, from 0 to 1.
 Step = Callable[[float], None]
@@ -215,6 +169,9 @@ class SweepCase:
     group: str = ""
     # Its share of the progress.
     steps: int = 1
+    # What the identity is of besides: the kind, and parts of the program.
+    kind: str = ""
+    also: Sequence[str] = ()
 
     @classmethod
     def of(cls, kind: str, name: str, what: Any, also: Sequence[str] = (), **about: Any) -> SweepCase:
@@ -224,9 +181,14 @@ class SweepCase:
         file that cannot be read.
         """
         try:
-            return cls(name, what, identity_of(kind, what, also), **about)
+            return cls(name, what, identity_of(kind, what, also), kind=kind, also=also, **about)
         except OSError as error:
             raise InputError(f"{error.filename}: cannot read ({error.strerror}): {name} is made with it") from error
+
+    @property
+    def is_here(self) -> bool:
+        """Whether the files of its options are the same on this machine."""
+        return self.identity == identity_of(self.kind, self.what, self.also)
 
 
 # Runs a case and returns its result.
@@ -292,14 +254,10 @@ Outcome = tuple[SweepCase, Result | Failure]
 _one_at_a_time = threading.Lock()
 
 
-def run_on_cluster(
-    work: Work, cases: Sequence[SweepCase], cluster: str, say: Say, *, in_turn: bool = False
-) -> Iterator[Outcome]:
-    """Yield each case with its result or failure as it comes back; each file crosses once.
+def run_on_cluster(work: Work, cases: Sequence[SweepCase], cluster: str, say: Say) -> Iterator[Outcome]:
+    """Yield each case with its result or failure as it comes back.
 
-    in_turn: one group after the other, each on the worker that ran the one before it, while that
-    lives. Errors: InputError for files too large to cross; MachineError for a cluster that cannot
-    be reached, is lost, or has another program.
+    Errors: MachineError for a cluster that cannot be reached, is lost, or has another program.
     """
     distributed: Any = import_extra("distributed", "dask.distributed", "cluster")
     for name in [*logging.root.manager.loggerDict]:
@@ -307,28 +265,20 @@ def run_on_cluster(
             log = logging.getLogger(name)
             log.handlers, log.propagate = [logging.NullHandler()], False
     with _connected(distributed, cluster, say) as client:
-        for name, found in client.run(whole_program_hash, on_error="return").items():
-            if found != whole_program_hash():
-                raise MachineError(_other_program(name))
         sent: dict[Any, list[SweepCase]] = {}  # what is under way
-        kept, token, waiting = dict[str, Any](), uuid.uuid4().hex[:8], deque(groups_of(cases))
+        token, waiting = uuid.uuid4().hex[:8], deque(groups_of(cases))
 
-        def send(before: Any = None) -> Any:
-            group, places = waiting.popleft(), dict[str, Path]()
-            ready = [attrs.evolve(case, what=packed(case.what, places.__setitem__)) for case in group]
-            for found in places.keys() - kept.keys():
-                # As a task, not as data placed on a worker: it outlives any worker.
-                kept[found] = client.submit(bytes, bytes_of(places[found]), key=f"hmdwarp-file-{found}")
-            files, key = {found: kept[found] for found in places}, f"hmdwarp-{group[0].identity}-{token}"
-            task = (run_here, work, ready, whole_program_hash(), files, before)
-            future = client.submit(*task, key=key, pure=False)
+        def send() -> Any:
+            group = waiting.popleft()
+            key = f"hmdwarp-{group[0].identity}-{token}"
+            future = client.submit(run_here, work, group, whole_program_hash(), Path.cwd(), key=key, pure=False)
             sent[future] = group
             return future
 
         # Groups sent and not back: one for each worker here, as what waits on a worker counts as
         # run there when that dies of another. A scheduler elsewhere gets all: it may start workers.
         local = re.fullmatch(LOCAL, cluster)
-        ahead = 1 if in_turn else int(local[1]) if local else len(waiting)
+        ahead = int(local[1]) if local else len(waiting)
         completed = distributed.as_completed([send() for _ in range(min(ahead, len(waiting)))], loop=client.loop)
         try:
             for future in completed:
@@ -337,8 +287,7 @@ def run_on_cluster(
                     continue
                 yield from _outcomes(distributed, future, sent.pop(future), cluster)
                 if waiting:
-                    # In turn: a task runs where what it depends on lies.
-                    completed.add(send(future if in_turn and future.status == "finished" else None))
+                    completed.add(send())
                 future.release()
         except (OSError, asyncio.CancelledError, concurrent.futures.CancelledError) as error:
             raise _lost(cluster) from error
@@ -347,23 +296,23 @@ def run_on_cluster(
                 client.cancel(list(sent))
 
 
-def run_here(
-    work: Work, cases: Sequence[SweepCase], program: str, files: dict[str, bytes], before: object = None
-) -> list[tuple[str, Result | Failure]]:
+def run_here(work: Work, cases: Sequence[SweepCase], program: str, folder: Path) -> list[tuple[str, Result | Failure]]:
     """Run a group of cases on a worker; return what became of each by its identity.
 
-    before: of the group that had to run first. Errors: MachineError for another program.
+    folder: in which paths begin. Errors: MachineError for another program, or other files.
     """
     from distributed import get_worker
 
     if whole_program_hash() != program:
-        raise MachineError(_other_program(get_worker().name))
-    folder = Path(get_worker().local_directory) / "hmdwarp-files"
-    folder.mkdir(exist_ok=True)
-    folders = {found: unpack(content, folder / found) for found, content in files.items()}
-    here = [attrs.evolve(case, what=unpacked(case.what, folders)) for case in cases]
+        why = "has another hmdwarp than this machine: install the same wheel on both"
+        raise MachineError(f"worker {get_worker().name} {why}")
     with _one_at_a_time, work.opened() as runner:  # a worker may have several threads
-        return [(case.identity, outcome) for case, outcome in run_group(runner, here, lambda share: None)]
+        with suppress(OSError):  # then files are not found, or are others
+            os.chdir(folder)
+        if apart := [case.name for case in cases if not case.is_here]:
+            why = "has not the same files under the names of"
+            raise MachineError(f"worker {get_worker().name} {why} {apart[0]}: share their folder with all machines")
+        return [(case.identity, outcome) for case, outcome in run_group(runner, cases, lambda share: None)]
 
 
 def _outcomes(distributed: Any, future: Any, group: Sequence[SweepCase], cluster: str) -> Iterator[Outcome]:
@@ -415,72 +364,6 @@ def _connected(distributed: Any, cluster: str, say: Say) -> Iterator[Any]:
             made.close()
 
 
-def _other_program(worker: str) -> str:
-    return f"worker {worker} has another hmdwarp than this machine: install the same wheel on both"
-
-
-MOST_BYTES = 1 << 30  # of one trace, or of a scene with its textures
-
-
-def packed(what: Any, carry: Callable[[str, Path], None]) -> bytes:
-    """Return options as bytes with marks for files; carry(hash, place) is called for each.
-
-    Folders stay: recorded frames are read from a file system that all machines share.
-    """
-    cloudpickle: Any = import_extra("cloudpickle", "cloudpickle", "cluster")
-
-    class Packer(cloudpickle.CloudPickler):  # type: ignore[misc]
-        def persistent_id(self, value: object) -> str | None:
-            if not isinstance(value, str | Path) or not is_place(value) or Path(value).is_dir():
-                return f"stay::{value}" if isinstance(value, Path) else None  # whole: its parts may be names of files
-            carry(found := hash_of_files(value), Path(value))
-            return f"{'path' if isinstance(value, Path) else 'text'}:{found}:{Path(value).name}"
-
-    stream = io.BytesIO()
-    Packer(stream).dump(what)
-    return stream.getvalue()
-
-
-def unpacked(content: bytes, folders: Mapping[str, Path]) -> Any:
-    """Return options with the places of the files; folders: where each hash was unpacked."""
-
-    class Unpacker(pickle.Unpickler):
-        def persistent_load(self, mark: str) -> str | Path:
-            kind, found, name = mark.split(":", 2)
-            if kind == "stay":
-                return Path(name)
-            return folders[found] / name if kind == "path" else str(folders[found] / name)
-
-    return Unpacker(io.BytesIO(content)).load()
-
-
-def bytes_of(place: Path) -> bytes:
-    """Return a place's files as bytes for `unpack`. Errors: InputError above MOST_BYTES."""
-    files = files_at(place)
-    if (total := sum(each.stat().st_size for each in files)) > MOST_BYTES:
-        raise InputError(
-            f"{place}: {total / 1e6:.0f} MB with the files that it names, at most {MOST_BYTES / 1e6:.0f} cross to "
-            "other machines: use a smaller one"
-        )
-    return pickle.dumps({each.relative_to(place.parent).as_posix(): each.read_bytes() for each in files})
-
-
-def unpack(content: bytes, folder: Path) -> Path:
-    """Write what bytes_of returned into a folder that is made, unless it is there; return it."""
-    if not folder.is_dir():
-        made = folder.with_name(f".{folder.name}-{uuid.uuid4().hex[:8]}")
-        for name, data in pickle.loads(content).items():
-            path = made / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(data)
-        try:
-            made.rename(folder)
-        except OSError:  # another worker was first
-            if not folder.is_dir():
-                raise
-    return folder
-
-
 Progress = Callable[[int, int], None]
 # Cases on a page, which draws charts of each: a second for two.
 MOST_SHOWN = 40
@@ -507,9 +390,9 @@ class Swept:
     def raise_failures(self) -> None:
         raise_failed(self.failed, len(self.cases), "the others are kept: run it again with --resume")
 
-    def rows(self, rows_of: RowsOf) -> KeptRows:
+    def rows(self, rows_of: Callable[[Any], Sequence[Row]]) -> list[Row]:
         """Return the rows of all cases that are done; raise failures if there are none."""
-        rows = KeptRows(self.kept, [case.identity for case in self.done], rows_of)
+        rows = [row for _, result in self.results() for row in rows_of(result)]
         if not rows:
             self.raise_failures()
         return rows
@@ -520,14 +403,12 @@ class ExperimentResult:
     """What was found, and where it lies."""
 
     folder: Path
-    # As in the JSON file there; rows are read from the disk, until the next run in the folder.
+    # As in the JSON file there.
     data: dict[str, Any]
     # The page.
     report: Path
     # The cases that were run, and which failed. None if merged.
     swept: Swept | None = None
-    # Why no result fits the options, else "".
-    refused: str = ""
     # Of the rows in `data`, those that a notebook shows.
     columns: tuple[Column, ...] = ()
 
@@ -565,7 +446,7 @@ def run_cases(
     if known:
         say(f"{known} of {len(cases)} cases are kept from before in {kept.folder}")
     steps = sum(case.steps for case in cases) - sum(case.steps for case in missing)
-    for case, outcome in outcomes(work, missing, options, progress, say, known=steps, in_turn=options.in_turn):
+    for case, outcome in outcomes(work, missing, options, progress, say, known=steps):
         if isinstance(outcome, Failure):
             kept.keep_failure(case.identity, outcome)
             say(f"failed: {case.name}: {outcome.why}")
@@ -609,12 +490,10 @@ def outcomes(
     say: Say,
     *,
     known: int = 0,
-    in_turn: bool = False,
 ) -> Iterator[Outcome]:
     """Run all of the cases, here or on a cluster, and yield what became of each.
 
-    progress(done, total): in steps of the cases. known: steps that were done before. in_turn: as of
-    run_on_cluster.
+    progress(done, total): in steps of the cases. known: steps that were done before.
     """
     waiting = [case.steps for case in cases]
     total, done, shown = known + sum(waiting), known, -1
@@ -638,7 +517,7 @@ def outcomes(
     if not cases:
         return
     there = options.cluster
-    for case, outcome in here() if there is None else run_on_cluster(work, cases, there, say, in_turn=in_turn):
+    for case, outcome in here() if there is None else run_on_cluster(work, cases, there, say):
         yield case, outcome
         done += case.steps
         del waiting[0]

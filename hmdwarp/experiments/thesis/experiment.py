@@ -16,11 +16,11 @@ from typing import Any
 
 import attrs
 
-from ...errors import InputError, are_digits, unknown_name
+from ...errors import InputError, unknown_name
 from ...link.codec import EXACT
-from ...options import group, option, out_field, same_as
+from ...options import option, out_field, same_as
 from ...run import RunOptions
-from ..sweep.options import ExperimentOptions, KeptOptions, own_first
+from ..sweep.options import ExperimentOptions, own_first
 
 # Of the head, in m/s; of its rotation, in deg/s. 30 and 113 are the median and the 95th percentile
 # of recorded heads.
@@ -279,21 +279,14 @@ def verdict_of(findings: Iterable[Finding]) -> Verdict:
 
 
 def settings_text(findings: Sequence[Finding], holds: bool | None) -> str:
-    """Return the settings whose findings are so, as in "sideways 0.25 m/s (200, 400 ms); rotate".
-
-    The columns of a row are named unless all of them are so; rows with the same share them.
-    """
-    all_columns: dict[str, list[str]] = {}
-    columns: dict[str, list[str]] = {}
-    for finding in findings:
-        all_columns.setdefault(finding.row, []).append(finding.column)
-        if finding.holds is holds:
-            columns.setdefault(finding.row, []).append(finding.column)
-    rows_of: dict[tuple[str, ...], list[str]] = {}
-    for row, found in columns.items():
-        named = () if found == all_columns[row] else tuple(found)
-        rows_of.setdefault(named, []).append(row)
-    return "; ".join(_together(rows) + (f" ({_together(named)})" if named else "") for named, rows in rows_of.items())
+    """Return the settings whose findings are so: a row, and its columns unless all are so."""
+    texts = []
+    for row in dict.fromkeys(finding.row for finding in findings):
+        of_row = [finding for finding in findings if finding.row == row]
+        columns = [finding.column for finding in of_row if finding.holds is holds]
+        if columns:
+            texts.append(row if len(columns) == len(of_row) else f"{row} ({', '.join(columns)})")
+    return "; ".join(texts)
 
 
 def share_text(findings: Sequence[Finding], holds: bool) -> str:
@@ -301,26 +294,6 @@ def share_text(findings: Sequence[Finding], holds: bool) -> str:
     judged = [finding.holds for finding in findings if finding.holds is not None]
     which = settings_text(findings, holds)
     return f"{judged.count(holds)} of {len(judged)} settings: {which}" if which else ""
-
-
-def _together(texts: Sequence[str]) -> str:
-    """Join texts like "a 1 m" and "a 2 m" to "a 1, 2 m": what neighbours share is written once."""
-
-    def is_number(text: str) -> bool:
-        return are_digits(text.removesuffix("%").replace(".", "", 1))
-
-    groups: list[tuple[str, str, list[str]]] = []
-    for text in texts:
-        words = text.split(" ")
-        for at in range(len(words)):
-            head, tail = " ".join(words[:at]), " ".join(words[at + 1 :])
-            if groups and groups[-1][:2] == (head, tail) and is_number(words[at]) and is_number(groups[-1][2][0]):
-                groups[-1][2].append(words[at])
-                break
-        else:
-            at = next((place for place, word in enumerate(words) if is_number(word)), 0)
-            groups.append((" ".join(words[:at]), " ".join(words[at + 1 :]), [words[at]]))
-    return " and ".join(" ".join(filter(None, (head, ", ".join(middle), tail))) for head, tail, middle in groups)
 
 
 Table = Mapping[str, Any]
@@ -466,7 +439,6 @@ class ThesisOptions(ExperimentOptions):
         _RUN.size,
         help=f"Pixels of one eye, by default {FULL_SIZE[0]}x{FULL_SIZE[1]}; streams keep those of the thesis.",
     )
-    sweep: KeptOptions = group(KeptOptions)
 
     def __attrs_post_init__(self) -> None:
         experiments_named(self.only)

@@ -22,7 +22,7 @@ from ...geometry import View, WarpMap
 from ...gpu import flip_rows
 from ...gpu.textures import download
 from ...headsets import load_headset
-from ...link import Bandwidth, LinkOptions, StageTimes
+from ...link import SUM, Bandwidth, LinkOptions
 from ...link.codec import Coding
 from ...metrics import LEAST_STEP, RELATIVE_STEP, Compared, flicker, hole_share, psnr
 from ...pipeline.loop import Refresh
@@ -294,7 +294,7 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
     width, height = (max(16, round(side * scale)) for side in run.size)
     network = LinkOptions(server_rate_hz=run.server_hz)
     if run.bandwidth_mbit is not None:  # all that a frame goes through delays it
-        network = attrs.evolve(network, bandwidth=Bandwidth(run.bandwidth_mbit), response=StageTimes())
+        network = attrs.evolve(network, bandwidth=Bandwidth(run.bandwidth_mbit), response=SUM)
     same = {name: getattr(run, name) for name in ("trace", "scene", "latency_ms", "warp")}
     few: dict[str, Any] = {"start_s": 2.0, "seconds": seconds, "metrics_every": 10**6, "workers": 0}
     coding, size = Coding(run.codec, depth=run.depth), (width, height)

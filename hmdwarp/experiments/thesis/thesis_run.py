@@ -117,25 +117,19 @@ class ThesisWork:
         """Open a folder for the traces of heads."""
         # What was looked at together waits for its turn.
         looked: dict[thesis.Run, Looked] = {}
-        # Frames on which not all could be looked at: there each is looked at by itself.
-        apart: set[Any] = set()
 
         def look_at(run: thesis.PictureRun, how: Thoroughness) -> Looked:
-            frames = _frames(run)
             if run not in looked:
-                together = [
-                    each for each in self.runs if isinstance(each, thesis.PictureRun) and _frames(each) == frames
-                ]
-                chosen = [run] if frames in apart else together
+                of_pictures = (each for each in self.runs if isinstance(each, thesis.PictureRun))
+                together = [each for each in of_pictures if _frames(each) == _frames(run)]
                 try:
-                    found: dict[thesis.Run, Looked] = {each.run: each for each in look(chosen, how, folder)}
+                    found = [*look(together, how, folder)]
                 except Exception:
-                    if len(chosen) == 1:
+                    if len(together) == 1:
                         raise
-                    apart.add(frames)  # one of them is at fault: the others go on
-                    return look_at(run, how)
+                    found = [*look([run], how, folder)]  # one of them is at fault: the others go on
                 looked.clear()
-                looked.update(found)
+                looked.update({each.run: each for each in found})
             return looked[run]
 
         def runner(case: SweepCase, step: Callable[[float], None]) -> Result:

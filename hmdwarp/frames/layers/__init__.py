@@ -44,10 +44,8 @@ RENDERED, SHOWN, OWN = "rendered", "shown", "own"
 class EyeSizes:
     """What the size of every layer follows from; all sizes are (w, h) in pixels of one eye."""
 
-    # The rendered picture, with its guard band.
-    rendered: Size
-    # The shown picture.
-    shown: Size
+    rendered: Size  # the rendered picture, with its guard band
+    shown: Size  # the shown picture
     # The shown fields of view, one for each eye; the size of some layers follows from them.
     fovs: tuple[Fov, ...] = ()
 
@@ -56,10 +54,8 @@ class EyeSizes:
 class Surface:
     """Another surface of the same view and size; holes as in EyeImage."""
 
-    # rgba16f, linear light with coverage in alpha.
-    colour: moderngl.Texture
-    # r32f in 1/m, -1 in holes.
-    inverse_depth: moderngl.Texture
+    colour: moderngl.Texture  # rgba16f, linear light with coverage in alpha
+    inverse_depth: moderngl.Texture  # r32f in 1/m, -1 in holes
 
     def textures(self) -> tuple[moderngl.Texture, moderngl.Texture]:
         """Return both textures."""
@@ -82,14 +78,11 @@ class Layer:
     than textures `numbers` and `misfit`.
     """
 
-    # The key in Needs and in EyeImage; passes read it as "rendered.<name>".
-    name: ClassVar[str]
-    # One line for listings.
-    summary: ClassVar[str]
+    name: ClassVar[str]  # the key in Needs and in EyeImage; passes read it as "rendered.<name>"
+    summary: ClassVar[str]  # one line for listings
     # The texture formats of one unit of the layer, keys of PIXEL_BYTES.
     formats: ClassVar[tuple[str, ...]] = ()
-    # RENDERED, SHOWN, or OWN where the layer overrides `size`.
-    size_class: ClassVar[str] = RENDERED
+    size_class: ClassVar[str] = RENDERED  # RENDERED, SHOWN, or OWN where the layer overrides `size`
     # The server's part that draws it, "" for what the server draws anyway or not at all.
     drawn_by: ClassVar[str] = ""
     # How each of `formats` is coded; () for the usual way, see USUAL_CODINGS.
@@ -97,20 +90,16 @@ class Layer:
     # Whether both eyes carry the same data, which is drawn, sent, counted and released once for
     # each frame.
     per_frame: ClassVar[bool] = False
-    # Whether every frame has it, needed or not.
-    always: ClassVar[bool] = False
-    # Whether the picture lacks what the layer shows.
-    apart: ClassVar[bool] = False
-    # Whether the client lays it over whatever else it shows.
-    laid_over: ClassVar[bool] = False
+    always: ClassVar[bool] = False  # whether every frame has it, needed or not
+    apart: ClassVar[bool] = False  # whether the picture lacks what the layer shows
+    laid_over: ClassVar[bool] = False  # whether the client lays it over whatever else it shows
     # Whether the client makes it of the frames that it has: no server sends it.
     of_client: ClassVar[bool] = False
     # Whether what a frame has of it depends on the frames before: then none can be left out.
     builds_on_frames: ClassVar[bool] = False
     # Whether it is made from the picture: that must be the one which its plan alone would get.
     made_from_picture: ClassVar[bool] = False
-    # Whether it only says how the picture is lit: no pass reads it.
-    lights: ClassVar[bool] = False
+    lights: ClassVar[bool] = False  # whether it only says how the picture is lit: no pass reads it
     # Whether the client draws the scene by it, in place of a picture of it.
     draws_scene: ClassVar[bool] = False
     # The amount of plans that need none of it, and one that needs as much as there is, or some.
@@ -305,8 +294,7 @@ Fragment = tuple[int, int]  # the thing, and which of its fragments
 class Update:
     """What one frame brings of what crosses little by little."""
 
-    # Its pieces; the link writes what it has decoded over it.
-    content: NDArray[np.uint8]
+    content: NDArray[np.uint8]  # its pieces; the link writes what it has decoded over it
     # What the sender needs to know again when it hears of the frame.
     pieces: tuple[Any, ...] = ()
     sent_ns: int = 0

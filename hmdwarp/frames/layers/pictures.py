@@ -195,8 +195,7 @@ class Reflection:
     # rgba16f, of what the picture itself shows: reflectivity straight on (r; 0 where nothing
     # mirrors), the disturbed normal's x and y along the mirror's right and up (g, b), and coverage.
     surface: moderngl.Texture
-    # All mirrors that `seen` and `surface` describe, in the world.
-    mirrors: tuple[Mirror, ...] = ()
+    mirrors: tuple[Mirror, ...] = ()  # all mirrors that `seen` and `surface` describe, in the world
     # The pixels outside which nothing mirrors: x, y of the first, x, y after the last, from the
     # bottom left; None for the whole picture. Only they are sent; a codec spends nothing on the
     # others, which are all the same.
@@ -259,8 +258,7 @@ class BodyIds:
 
     # r16ui of the picture's size: 0 for what stands still, else 1 + index into `bodies`.
     numbers: moderngl.Texture
-    # How each body moved when the picture was drawn.
-    bodies: tuple[RigidState, ...] = ()
+    bodies: tuple[RigidState, ...] = ()  # how each body moved when the picture was drawn
 
     def textures(self) -> Iterable[moderngl.Texture]:
         """Return the one."""

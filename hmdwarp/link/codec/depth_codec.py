@@ -172,7 +172,7 @@ _EIGHT_BITS = DepthVideo(_codec("8-bit", 10), "yuv420p", 255, most_bend=8.0)
 DEPTH_VIDEOS = {AS_VIDEO: _TEN_BITS, AS_VIDEO8: _EIGHT_BITS}
 # CRC-32 of everything after it, step, nearest inverse depth, bytes of the map, which follows; then
 # the video. Beside a picture that is no key frame, the map is XORed with the one before: a
-# headset's hidden area stays.
+# headset's hidden area stays. It is packed by FFV1, beside 8 bits by what a browser has.
 _HEADER = struct.Struct("<IddI")
 # Codes a step: what the video rounds anyway need not be rounded before.
 _FINER = 2
@@ -188,7 +188,8 @@ class DepthVideoEncoder:
     def __init__(self, size: Size, rate_hz: float, step: float, how: DepthVideo = _TEN_BITS) -> None:
         self._size, self._step, self._how = size, step / _FINER, how
         self._video = VideoEncoder(how.codec, size, rate_hz, how.format, {})
-        self._kinds, self._before = _kinds_encoder(how, size), np.zeros(size[::-1], np.uint8)
+        self._grey = None if how is _EIGHT_BITS else _GreyEncoder(size, "depth")
+        self._before = np.zeros(size[::-1], np.uint8)
         self._number, self._nearest = 0, 0.0
 
     def encode(self, inverse_depth: NDArray[np.float32], key: bool = False) -> Packet:
@@ -209,9 +210,10 @@ class DepthVideoEncoder:
         picture = self._how.picture(covered(codes[..., None], none)[..., 0], self._video.size)
         video, is_key = self._video.encode(picture, wants_key)
         kinds = np.where(none, _NONE, np.where(values == 0, _FAR, _SURFACE)).astype(np.uint8)
-        told = self._kinds(kinds if is_key else kinds ^ self._before)
+        told = kinds if is_key else kinds ^ self._before
+        packed = self._grey.encode(told.astype(np.uint16)) if self._grey else zlib.compress(told.tobytes())
         number, self._number, self._before = self._number, self._number + 1, kinds
-        return Packet(number, is_key, two_parts(_HEADER, (step, self._nearest), told, video))
+        return Packet(number, is_key, two_parts(_HEADER, (step, self._nearest), packed, video))
 
 
 class DepthVideoDecoder:
@@ -222,7 +224,8 @@ class DepthVideoDecoder:
 
     def __init__(self, size: Size, how: DepthVideo = _TEN_BITS) -> None:
         self._size, self._how = size, how
-        self._video, self._kinds = VideoDecoder(how.codec, size, "depth"), _kinds_decoder(how, size)
+        self._video = VideoDecoder(how.codec, size, "depth")
+        self._grey = None if how is _EIGHT_BITS else _GreyDecoder(size, "depth")
         self._before = np.zeros(size[::-1], np.uint8)
 
     def decode(self, packet: Packet) -> NDArray[np.float32]:
@@ -235,7 +238,14 @@ class DepthVideoDecoder:
         (step, nearest), told, video = from_two_parts(_HEADER, packet.data, "depth")
         if not (2.0**-30 <= step <= 2.0**30 and 0 <= nearest <= 2.0**128):
             raise Undecodable(f"damaged depth (steps of {step:g}, up to {nearest:g})")
-        kinds = self._kinds(told)
+        if self._grey:
+            kinds = self._grey.decode(told)[0].astype(np.uint8)
+        else:
+            try:
+                kinds = np.frombuffer(zlib.decompressobj().decompress(told, self._before.size + 1), np.uint8)
+                kinds = kinds.reshape(self._before.shape)
+            except (zlib.error, ValueError) as error:
+                raise Undecodable(f"damaged depth ({error})") from error
         self._before = kinds = kinds if packet.key else kinds ^ self._before
         codes = self._how.codes_in(self._video.decode(video, packet.number), self._size)
         out: NDArray[np.float32] = self._how.values(step, nearest)[codes]
@@ -244,35 +254,9 @@ class DepthVideoDecoder:
         return out
 
 
-# The map of kinds is packed by FFV1, or by what a browser has.
-
-
-def _kinds_encoder(how: DepthVideo, size: Size) -> Any:
-    if how is _EIGHT_BITS:
-        return lambda kinds: zlib.compress(kinds.tobytes())
-    grey = _GreyEncoder(size, "depth")
-    return lambda kinds: grey.encode(kinds.astype(np.uint16))
-
-
-def _kinds_decoder(how: DepthVideo, size: Size) -> Any:
-    if how is not _EIGHT_BITS:
-        grey = _GreyDecoder(size, "depth")
-        return lambda told: grey.decode(told)[0].astype(np.uint8)
-
-    def unpack(told: bytes) -> NDArray[np.uint8]:
-        try:
-            kinds = zlib.decompressobj().decompress(told, size[0] * size[1] + 1)
-            return np.frombuffer(kinds, np.uint8).reshape(size[::-1])
-        except (zlib.error, ValueError) as error:
-            raise Undecodable(f"damaged depth ({error})") from error
-
-    return unpack
-
-
-# CRC-32 of everything after it, width, height, a number of the user's, the first pixel, bytes of
-# FFV1's configuration, which follows; none for a picture of one number.
+# See two_parts. The fields: width, height, a number of the user's, the first pixel; the parts:
+# FFV1's configuration and the picture, nothing for one of one number.
 _GREY_HEADER = struct.Struct("<IHHbHB")
-_CHECKED_FROM = 4
 _NAME, _GREY_FORMAT = "ffv1", "gray16le"
 # A fixed number of slices: the same bytes on any machine.
 _OPTIONS = {"level": "3", "slices": "4", "slicecrc": "0"}
@@ -310,9 +294,7 @@ class _GreyEncoder:
         if configuration:
             frame = pyav().VideoFrame.from_ndarray(padded(codes, self._coded), format=_GREY_FORMAT)
             packed = bytes(one_packet(self._context, _NAME, frame))
-        head = _GREY_HEADER.pack(0, width, height, beside, first, len(configuration))
-        data = head[_CHECKED_FROM:] + configuration + packed
-        return zlib.crc32(data).to_bytes(_CHECKED_FROM, "little") + data
+        return two_parts(_GREY_HEADER, (width, height, beside, first), configuration, packed)
 
 
 class _GreyDecoder:
@@ -326,24 +308,20 @@ class _GreyDecoder:
 
     def decode(self, data: bytes) -> tuple[NDArray[np.uint16], int]:
         """Return what _GreyEncoder.encode was given. Errors: Undecodable."""
+        (width, height, beside, first), configuration, packed = from_two_parts(_GREY_HEADER, data, self._what)
+        if (width, height) != tuple(self._size):
+            raise Undecodable(f"damaged {self._what} (of {width}x{height} pixels)")
+        if not configuration:
+            return np.full(self._size[::-1], first, np.uint16), beside
         av = pyav()
         try:
-            checksum, *size, beside, first, length = _GREY_HEADER.unpack_from(data)
-            if tuple(size) != tuple(self._size):
-                raise ValueError(f"of {size[0]}x{size[1]} pixels")
-            if zlib.crc32(data[_CHECKED_FROM:]) != checksum:
-                raise ValueError("its checksum is wrong")
-            if not length:
-                return np.full(self._size[::-1], first, np.uint16), beside
-            start = _GREY_HEADER.size + length
-            if self._context is None or data[_GREY_HEADER.size : start] != self._configuration:
+            if self._context is None or configuration != self._configuration:
                 made: Any = av.CodecContext.create(_NAME, "r")
                 made.width, made.height = _grey_size(self._size)
                 made.thread_type, made.thread_count = "SLICE", _THREADS
-                made.extradata = data[_GREY_HEADER.size : start]
-                self._context, self._configuration = made, data[_GREY_HEADER.size : start]
-            frames = self._context.decode(av.Packet(data[start:]))
-        except (struct.error, OSError, ValueError, av.FFmpegError) as error:
+                made.extradata, self._configuration, self._context = configuration, configuration, made
+            frames = self._context.decode(av.Packet(packed))
+        except (OSError, ValueError, av.FFmpegError) as error:
             raise Undecodable(f"damaged {self._what} ({error})") from error
         expected = (*_grey_size(self._size), _GREY_FORMAT)
         if [(frame.width, frame.height, frame.format.name) for frame in frames] != [expected]:

@@ -36,8 +36,7 @@ class Undecodable(Exception):
 class Packet:
     """One picture on the network."""
 
-    # 0 for the first of its stream.
-    number: int
+    number: int  # 0 for the first of its stream
     # Whether it can be decoded without those before it.
     key: bool
     data: bytes = attrs.field(repr=lambda data: f"<{len(data)} bytes>")
@@ -67,9 +66,9 @@ def from_two_parts(header: struct.Struct, data: bytes, what: str) -> tuple[list[
         checksum, *fields, length = header.unpack_from(data)
     except struct.error as error:
         raise Undecodable(f"damaged {what} ({error})") from error
-    if zlib.crc32(data[_CHECKED_FROM:]) != checksum:
-        raise Undecodable(f"damaged {what} (its checksum is wrong)")
     start = header.size + length
+    if zlib.crc32(data[_CHECKED_FROM:]) != checksum or len(data) < start:
+        raise Undecodable(f"damaged {what} (its checksum or length is wrong)")
     return fields, data[header.size : start], data[start:]
 
 

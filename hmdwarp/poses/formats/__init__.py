@@ -156,11 +156,11 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
     path, names = Path(text), []
     with suppress(FileNotFoundError):
         names = recording_names()
-    if not (isinstance(name_or_path, Path) or path.name != text or path.suffix):
-        if text in names:
-            path = folder("recordings") / f"{text}.csv"
-        elif names and not path.exists():
-            raise unknown_name("recording", text, names)
+    is_bare = not isinstance(name_or_path, Path) and path.name == text and not path.suffix
+    if is_bare and text in names:
+        path = folder("recordings") / f"{text}.csv"
+    elif is_bare and names and not path.exists():
+        raise unknown_name("recording", text, names)
     elif not path.exists() and path.stem in names:
         recording = f"the shipped recording is called '{path.stem}', with no folder or ending"
         raise TraceError(f"{path}: no such file; {recording}")

@@ -1,7 +1,7 @@
 """From a file's axes to OpenXR's (+x right, +y up, -z forward), weighed against its motion.
 
 Is that a person's, upright, forward, at human sizes? What contradicts the reading is named, with
-the reading that fits; --axes auto takes that.
+the reading that fits.
 """
 
 from __future__ import annotations
@@ -28,7 +28,6 @@ from .text_table import Recording
 Array = NDArray[np.float64]
 
 OPENXR = "openxr"
-AUTO = "auto"  # --axes auto: those that fit the motion, where that is clear
 _PRESETS = Path(__file__).parents[1] / "presets"
 _AXES = {"x": (1.0, 0, 0), "y": (0, 1.0, 0), "z": (0, 0, 1.0)}
 # right, up, forward of the turn by a quarter (or half) that lifts the named axis to +y and moves
@@ -296,7 +295,6 @@ class Verdict:
     points: tuple[float, float]  # of the axes and of the better ones
     world_alone: bool = False  # the better ones turn the world alone: the head's are right
     leaves_open: str = ""  # what the motion does not show, in words; empty: it confirms the axes
-    upright: Axes | None = None  # that set the head upright where only its gaze is unclear
 
 
 def judge(evidence: Evidence, axes: Axes) -> Verdict:
@@ -322,14 +320,7 @@ def judge(evidence: Evidence, axes: Axes) -> Verdict:
     world, head = (",".join(map(axis_word, side)) for side in sides)
     better = fitting[0] if fitting else parse_axes(f"world={world} head={head}")
     clear, alone = top - ranked[1][0] > CLEAR and not evidence.faults(best), np.array_equal(best[1:], here[1:])
-    near = [reading for score, reading in ranked if score > top - CLEAR]
-    standing, agree = None, all(np.array_equal(r[:2], best[:2]) for r in near)
-    leans = float(up @ evidence.upright @ crown) < UPRIGHT or (
-        evidence.gravity.any() and up @ evidence.gravity < UPRIGHT
-    )
-    if agree and not leans and not np.array_equal(best[:2], here[:2]):
-        standing = next((axes for axes in known if any(np.array_equal(_reading_of(axes), r) for r in near)), better)
-    return Verdict(faults, better, [axes.name for axes in fitting[1:]], clear, (own, top), alone, upright=standing)
+    return Verdict(faults, better, [axes.name for axes in fitting[1:]], clear, (own, top), alone)
 
 
 def _reading_of(axes: Axes) -> Array:
@@ -476,9 +467,7 @@ def gravity_axis(orientation: Array) -> Array | None:
     return axis if axis @ crown >= 0 else -axis
 
 
-_GAZE = "which way it looks is not clear"
 _TILT_SHOWN_DEG = 10.0
-_TILT_STATED_DEG = 0.5  # by gravity columns
 # How an unstated order was read, the other one, and the options that state them.
 _BY_ROWS = "by rows, its matrices", "by columns", "--matrix columns, or rows"
 _W_LAST = "with w last, as in TUM files, its quaternions", "with w first", "--quat-order wxyz, or xyzw"
@@ -491,9 +480,7 @@ class JudgedAxes:
         self.r, self.options = r, r.options
         stated, by = self.options.pose, r.layout.direction_by
         self.is_inverse, self._pose_by = (stated == INVERSE, By.USER) if stated else (r.layout.inverse, by)
-        self._wrong = self._gaze_unclear = False
-        self._tilt_deg, self._leaves_open = 0.0, ""
-        self._upright, self._upright_by = "", By.MOTION  # the direction that --axes auto sets upright
+        self._shown = ""  # what the motion shows, in words, for the line `axes`
         # The options come before the file and its format.
         self.axes, self.axes_by = parse_axes(r.layout.axes), r.layout.axes_by
         up = r.options.up
@@ -501,7 +488,7 @@ class JudgedAxes:
         if up is not None and not is_tilt and r.options.axes is not None:
             what = "--axes and --up both name axes: say one"
             raise InputError(f"{what}; beside --axes, --up may be three numbers, a tilt")
-        if r.options.axes not in (None, AUTO):
+        if r.options.axes is not None:
             self.axes, self.axes_by = parse_axes(r.options.axes), By.USER
         if up is not None and is_tilt:
             self.axes = attrs.evolve(self.axes, tilt=parse_up(up).tilt)
@@ -516,9 +503,7 @@ class JudgedAxes:
             turn, option = f"matrix {layout.matrix}", "--matrix"
         else:
             turn, option = f"quaternion {layout.order}", "--quat-order"
-        tilt = self.axes.tilt is not None and not self._upright
-        up = self._upright or f"{self.axes.up()}{f', tilted to {options.up}' if tilt else ''}"
-        up_by = self._upright_by if self._upright else By.USER if tilt else self.axes_by
+        tilted = "" if self.axes.tilt is None else f", tilted to {options.up}"
         length = Assumption(Fact.LENGTH, f"{scale:g} m per unit", scale_by, "--scale")
         clock_by = By.USER if options.rate or options.time_unit else layout.unit_by
         return (
@@ -526,7 +511,7 @@ class JudgedAxes:
             Assumption(Fact.POSE, DIRECTION[self.is_inverse], self._pose_by, "--pose"),
             *([length] if self.r.position is not None else []),
             Assumption(Fact.AXES, self.axes.label(), self.axes_by, "--axes"),
-            Assumption(Fact.UP, up, up_by, "--up"),
+            Assumption(Fact.UP, self.axes.up() + tilted, By.USER if tilted else self.axes_by, "--up"),
             Assumption(Fact.CLOCK, self.r.time_unit, clock_by, "--time-unit"),
             *([Assumption("clock wrap", self.r.wrap, By.DEFAULT)] if self.r.wrap else []),
         )
@@ -540,10 +525,10 @@ class JudgedAxes:
         return (self.r.layout.scale, self.r.layout.scale_by) if own is None else (own, self.axes_by)
 
     def weigh(self) -> None:
-        """Warn where the motion contradicts the axes; --axes auto takes better ones if clear."""
-        r, gravity = self.r, np.array(self.r.layout.gravity_down)
+        """Warn where the motion contradicts axes, unit or direction of the poses."""
+        r = self.r
         metres = None if r.position is None else r.position * self.scale[0]
-        evidence = evidence_of(r.time_ns, r.orientation, metres, gravity)
+        evidence = evidence_of(r.time_ns, r.orientation, metres, np.array(r.layout.gravity_down))
         if r.layout.order_by is By.DEFAULT and r.layout.euler is None:
             self._refuse_other_order(evidence)
         verdict = judge(evidence, self.axes)
@@ -552,17 +537,32 @@ class JudgedAxes:
             what, remedy = place_fault(r.time_ns, metres, height_m)
             if what:
                 r.note("place-implausible", what, f"kept; {remedy}")
-        self._leaves_open = verdict.leaves_open
+        if self.axes_by is By.DEFAULT:
+            self._shown = "; the motion agrees"
+            if verdict.leaves_open:
+                self._shown = f"; the motion does not show {verdict.leaves_open}; --axes or --up states it"
         if self.options.pose is None and self._contradict_pose(evidence, metres, bool(verdict.faults)):
             return
         if verdict.world_alone:
             # Where up lies between the file's axes, `report_tilt` says by how much.
-            axis = self._gravity_axis()
-            oblique = axis is not None and float(np.abs(axis).max()) < math.cos(math.radians(_TILT_SHOWN_DEG))
-            verdict = attrs.evolve(verdict, faults=[], better=None, upright=None) if oblique else verdict
-        self._take_or_contradict(verdict)
-        if not self._wrong and self.options.axes == AUTO and self.axes.tilt is None:
-            self._set_upright(gravity)
+            converted = r.orientation.copy()
+            self.axes.apply(None, converted)
+            axis = gravity_axis(converted)
+            if axis is not None and float(np.abs(axis).max()) < math.cos(math.radians(_TILT_SHOWN_DEG)):
+                return
+        if verdict.faults:
+            done = "kept; nothing else fits better: --axes or --up states them; 'trace info --plot' shows the head"
+            if (found := verdict.better) is not None:
+                sure = "clearly fits" if verdict.clear else "fits better, though not clearly"
+                also = f" (so do {', '.join(verdict.also)}; motion cannot tell them apart)" if verdict.also else ""
+                own, best = verdict.points
+                done = f"kept; --axes '{found.name or found.words()}' {sure}{also}: {best:.1f} points against {own:.1f}"
+            what = f"read as {self.axes.label()}, {AXES_BY[self.axes_by]}: {', '.join(verdict.faults)}"
+            self._contradict("axes-contradicted", what, done)
+
+    def _contradict(self, kind: str, what: str, done: str) -> None:
+        self.r.note(kind, what, done)
+        self._shown = "; the motion contradicts them"
 
     def _refuse_other_order(self, evidence: Evidence) -> None:
         """Refuse an assumed order of numbers where only the other one shows a person."""
@@ -576,40 +576,13 @@ class JudgedAxes:
             is_right = f"{right} they do: say {wrong} if it is right as it is"
             raise TraceError(f"{r.where}: read {what} make no person's motion; {is_right}")
 
-    def _take_or_contradict(self, verdict: Verdict) -> None:
-        auto, faults, (own, best) = self.options.axes == AUTO, ", ".join(verdict.faults), verdict.points
-        found, points = verdict.better, f"{best:.1f} points against {own:.1f}"
-        if auto and found is not None and verdict.clear:
-            also = f"; {', '.join(verdict.also)} would fit as well" if verdict.also else ""
-            done = f"--axes auto takes {found.label()}: {points}{also}"
-        elif auto and verdict.upright is not None:
-            found, self._gaze_unclear = verdict.upright, True
-            done = f"--axes auto takes {found.label()}, which sets the head upright; {_GAZE}: --axes states it"
-        elif faults:
-            done = "kept; nothing else fits better: --axes or --up states them; 'trace info --plot' shows the head"
-            if found is not None:
-                sure = "clearly fits" if verdict.clear else "fits better, though not clearly"
-                also = f" (so do {', '.join(verdict.also)}; motion cannot tell them apart)" if verdict.also else ""
-                kept = "kept, as --axes auto takes only what is clear" if auto else "kept"
-                done = f"{kept}; --axes '{found.name or found.words()}' {sure}{also}: {points}"
-            what = f"read as {self.axes.label()}, {AXES_BY[self.axes_by]}: {faults}"
-            self.r.note("axes-contradicted", what, done)
-            self._wrong = True
-            return
-        else:
-            return
-        self.r.note("axes-chosen", f"as {self.axes.label()}: {faults}", done)
-        self.axes, self.axes_by = attrs.evolve(found, tilt=self.axes.tilt), By.MOTION
-
     def _contradict_pose(self, evidence: Evidence, metres: Array | None, contradicted: bool) -> bool:
-        """Suggest the other direction of the poses where only that one makes a person's motion.
-
-        The inverse of a head that turns on the spot swings about the origin: each halving of the
-        way is worth a point. Of 15 recordings the inverse way is 1.2 to 19 times as long.
-        """
+        """Suggest the other direction of the poses where only that one makes a person's motion."""
         at = every(self.r.time_ns)  # first, as an inverse copies all poses
         poses = inverted(self.r.orientation[at], None if metres is None else metres[at])
         other = evidence_of(self.r.time_ns[at], *poses, evidence.gravity)
+        # The inverse of a head that turns on the spot swings about the origin: each halving of the
+        # way is worth a point. Of 15 recordings the inverse way is 1.2 to 19 times as long.
         shorter = math.log2(evidence.path_m / other.path_m) if evidence.path_m and other.path_m else 0.0
         gain = other.best_points() - evidence.best_points() + min(max(shorter, -1.5), 1.5)
         if gain <= (CLEAR if contradicted else SURE):
@@ -618,54 +591,20 @@ class JudgedAxes:
         better, word = judge(other, self.axes).better, DIRECT if self.is_inverse else INVERSE
         axes = f" --axes '{better.name or better.words()}'" if better is not None else ""
         what = f"its poses, read as {here}, make a person's motion if they are {there}: {gain:.1f} points more"
-        self.r.note("pose-contradicted", what, f"kept; --pose {word}{axes} takes them so")
-        self._wrong = True
+        self._contradict("pose-contradicted", what, f"kept; --pose {word}{axes} takes them so")
         return True
-
-    def _gravity_axis(self) -> Array | None:
-        converted = self.r.orientation.copy()
-        self.axes.apply(None, converted)
-        return gravity_axis(converted)
-
-    def _set_upright(self, gravity_down: Array) -> None:
-        """Turn the world as the file's gravity or the head says, for --axes auto."""
-        stated = bool(gravity_down.any())
-        axis = -self.axes.world @ gravity_down if stated else self._gravity_axis()
-        if axis is None:
-            return
-        axis = axis / np.linalg.norm(axis)
-        tilt, shown = _tilt_of(axis), ",".join(f"{a:.2f}" for a in axis)
-        if tilt > (_TILT_STATED_DEG if stated else _TILT_SHOWN_DEG):
-            what = f"by the {'gravity columns' if stated else 'head'}, up is ({shown}), {tilt:.0f} degrees from +y"
-            self.r.note("tilt-set", what, f"--axes auto sets the world upright, as --up={shown} does")
-            self.axes = attrs.evolve(self.axes, tilt=upright(axis))
-            self._upright, self._upright_by = f"({shown})", By.FILE if stated else By.MOTION
 
     def words(self) -> str:
         """Return the axes, who says so, and what the motion shows."""
-        words = f"{self.axes.label()}, {AXES_BY[self.axes_by]}"
-        if self._wrong:
-            return f"{words}; the motion contradicts them"
-        if self._gaze_unclear:
-            words += f"; {_GAZE}"
-        if self._upright:
-            return f"{words}; {self._upright} set upright by --axes auto"
-        if self._tilt_deg:
-            return f"{words}; up is tilted by {self._tilt_deg:.0f} degrees"
-        if self.axes_by is not By.DEFAULT:
-            return words
-        if self._leaves_open:
-            return f"{words}; the motion does not show {self._leaves_open}; --axes or --up states it"
-        return f"{words}; the motion agrees"
+        return f"{self.axes.label()}, {AXES_BY[self.axes_by]}{self._shown}"
 
     def report_tilt(self) -> None:
         """Report gravity that is not along +y, judged by how the head is held."""
-        axis = None if self._wrong else gravity_axis(self.r.orientation)  # a turn of the world mends no wrong axes
-        if axis is not None and (tilt := _tilt_of(axis)) > _TILT_SHOWN_DEG:
-            self._tilt_deg, shown = tilt, ",".join(f"{a:.2f}" for a in axis)
+        contradicted = self._shown.endswith("contradicts them")  # a turn of the world mends no wrong axes
+        axis = None if contradicted else gravity_axis(self.r.orientation)
+        tilt = 0.0 if axis is None else float(np.degrees(np.arccos(np.clip(axis[1], -1, 1))))
+        if axis is not None and tilt > _TILT_SHOWN_DEG:
+            shown = ",".join(f"{a:.2f}" for a in axis)
             what = f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y"
+            self._shown = f"; up is tilted by {tilt:.0f} degrees"
             self.r.note("tilt", what, f"kept as it is; --up={shown} sets the world upright")
-
-
-def _tilt_of(up: Array) -> float:
-    return float(np.degrees(np.arccos(np.clip(up[1], -1, 1))))

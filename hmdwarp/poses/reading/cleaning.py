@@ -80,10 +80,9 @@ def _which_rows(r: Recording) -> None:
     if r.is_cut and len(r) > 1:
         length = np.linalg.norm(r.orientation[-2:], axis=1)
         off = np.abs(length - 1)
-        if off[1] > _COARSE_NORM >= off[0]:
-            r.found("last-row-cut", [-1], f"quaternion of length {length[1]:.2f}")
-        elif len(r.stamps) and r.stamps[-2:].steps()[0] <= 0:
-            r.found("last-row-cut", [-1], "its time is not after the one before")
+        late = not len(r.stamps) or r.stamps[-2:].steps()[0] > 0
+        if off[1] > _COARSE_NORM >= off[0] or not late:
+            r.found("last-row-cut", [-1], f"quaternion of length {length[1]:.2f}" if late else "time falls")
     stated = r.options.device
     if r.device is not None:
         _take_device(r, r.device, stated)
@@ -99,9 +98,8 @@ def _which_rows(r: Recording) -> None:
 
 def _need_two_rows(r: Recording) -> None:
     if len(r) < 2:
-        known = "; ".join(str(d) for d in r.defects[:3])
-        so_far = f" ({known})" if known else ""
-        raise TraceError(f"{r.where} holds {len(r)} usable row: expected two or more{so_far}")
+        known = "; ".join(map(str, r.defects[:3])) or "no defects"
+        raise TraceError(f"{r.where} holds {len(r)} usable row: expected two or more ({known})")
 
 
 def _take_device(r: Recording, device: NDArray[np.bytes_], stated: str | None) -> None:
@@ -132,19 +130,15 @@ _USUAL_HZ = 75  # the middle of what recorders use
 _RATES_HZ = (10.0, 2000.0)  # of trackers
 _IMPOSSIBLE_HZ = (0.01, 1e6)  # below and above this a clock was misread
 _COUNTED = {3: "milliseconds", 6: "microseconds", 7: "ticks of 100 ns", 9: "nanoseconds"}  # by the digits of a second
-# A counter of 32 bits, with a sign or without, in its own unit or in one 10^3, 10^6, 10^9 as large;
-# those of other sizes only where nothing is lost in between.
-_BITS, _OTHER_BITS, _SCALES = (32, 31), (33, 30, 24, 16), (1, 10**3, 10**6, 10**9)
+# A counter of 32 bits, with a sign or without, in its own unit or in one 10^3, 10^6, 10^9 as large.
+_BITS, _SCALES = (32, 31), (1, 10**3, 10**6, 10**9)
 _LONG = 10**5  # steps a wrap: no recording ends by chance that near to the top, and begins near 0
-_SHORTEST = 20  # steps a wrap
-_NEAR, _NEAREST = 1000, 5  # steps from the last stamp before a wrap to the first after it
+_SHORTEST = 20  # rows a wrap
+_NEAR = 1000  # steps from the last stamp before a wrap to the first after it
 _SMOOTH = 3.0  # times the largest of the turns around it
 # A leap of the clock: seconds, steps, rows compared on either side, and how far they turn a head.
 _PAUSE_S, _LONG_PAUSE, _AROUND, _TURNS_RAD = 30.0, 1000, 5, 3e-4
 _YEARS_S = 10 * 365.25 * 86400  # no recording pauses so long
-# Rows in succession with a stamp that is none; shares and counts of rows; how near others are, in
-# median steps; how far these, in all other steps together.
-_MOST_ROWS, _MOST_SHARE, _LEAST_ROWS, _IN_LINE, _ABSURD = 3, 0.01, 20, 10.0, 20.0
 # Coarse clocks: how exactly steps are looked at, of how many sizes, the least tick (and of a mean
 # step), how near multiples are (15.6 ms printed as 15 and 16), what share of one size is steady.
 _PRINTED_NS, _MOST_SIZES, _FEW_SIZES, _LEAST_TICK_NS, _LEAST_TICK = 100_000, 400, 7, 2_000_000, 0.2
@@ -153,14 +147,21 @@ _OFF_TICK, _ONE_SIZE, _EVENER, _IN_TICK = 0.08, 0.98, 0.5, 1.15
 
 def _when(r: Recording) -> None:
     """Read the stamps, count on where the clock begins again, take one recording."""
-    if r.options.rate is not None:
-        _count_by_rate(r, r.options.rate)
+    if (rate := r.options.rate) is not None and r.layout.unit == FRAMES:
+        r.found("clock-by-rate", None, "the file numbers its frames", "these numbers", rate)
+    elif rate is not None:
+        step_ns = BILLION / rate
+        if (len(r) - 1) * step_ns > LARGEST:
+            raise TraceError(f"{r.where}: {len(r)} rows at {rate:g} Hz last over 146 years; give a higher --trace-rate")
+        r.stamps = Stamps(np.rint(np.arange(len(r)) * step_ns).astype(np.int64), np.zeros(len(r), np.int64))
+        r.layout = attrs.evolve(r.layout, unit="ns")
+        aside = "the file's own clock is put aside" if r.layout.clock_ignored else "the file has no time"
+        r.found("clock-by-rate", None, aside, "row numbers", rate)
     _count_fractions(r)
     whole = r.stamps.whole
     over = (np.diff(whole) < -DAY_S // 2) & (whole[1:] < DAY_S) & (whole[:-1] < DAY_S)
     if r.stamps.clock and over.any():
-        _wrapped(r, "midnight", over, DAY_S * BILLION, "the clock passes midnight {}")
-    _drop_absurd(r)
+        _wrapped(r, "midnight", np.flatnonzero(over) + 1, DAY_S * BILLION, "the clock passes midnight {}")
     _wraps(r)
     steps = r.stamps.steps()
     falls = float(np.mean(steps < 0)) if len(steps) > _LEAST_STEPS else 0.0
@@ -174,30 +175,14 @@ def _when(r: Recording) -> None:
     _clock_changes(r)
     _take_segment(r)
     _read_times(r)
-    if r.options.rate is None:
+    if rate is None:
         _coarse_clock(r)
         _judge_rate(r)
 
 
-def _count_by_rate(r: Recording, rate: float) -> None:
-    n, step_ns = len(r), BILLION / rate
-    if (n - 1) * step_ns > LARGEST:
-        raise TraceError(f"{r.where}: {n} rows at {rate:g} Hz last over 146 years; give a higher --trace-rate")
-    if r.layout.unit == FRAMES:
-        r.found("clock-by-rate", None, "the file numbers its frames", "these numbers", rate)
-        return
-    r.stamps = Stamps(np.rint(np.arange(n) * step_ns).astype(np.int64), np.zeros(n, np.int64))
-    r.layout = attrs.evolve(r.layout, unit="ns")
-    aside = "the file's own clock is put aside" if r.layout.clock_ignored else "the file has no time"
-    r.found("clock-by-rate", None, aside, "row numbers", rate)
-
-
 def _count_fractions(r: Recording) -> None:
-    """Find fractions that are counts without leading zeros: 12.5 of nanoseconds is 5 ns after 12.
-
-    Counts never begin with 0, unlike one decimal in ten; as decimals they fall when a digit is
-    added, or end with 0 where others are longer.
-    """
+    """Find fractions that are counts without leading zeros: 12.5 with ns is 5 ns after 12."""
+    # Counts never begin with 0; as decimals they fall when a digit is added, or end with 0.
     stamps, decimals = r.stamps, r.stamps.decimals
     if decimals is None or decimals.min() == decimals.max() or decimals.max() > 9:
         return
@@ -226,87 +211,29 @@ def _count_on(r: Recording, rows: NDArray[np.intp], shifts: list[int]) -> None:
     r.stamps = Stamps(r.stamps.whole + wholes + parts // BILLION, parts % BILLION, r.stamps.clock)
 
 
-def _wrapped(r: Recording, kind: str, before: NDArray[np.bool_], length: int, what: str) -> None:
-    """Count on where the clock begins again, after a round of so many billionths."""
-    rows = np.flatnonzero(before) + 1
+def _wrapped(r: Recording, kind: str, rows: NDArray[np.intp], length: int, what: str) -> None:
+    """Count on from these rows, where the clock begins again after so many billionths."""
     _count_on(r, rows, [length] * len(rows))
     r.wrap = what.format(counted(len(rows), "time"))
     r.found(kind, rows, r.wrap)
 
 
-def _drop_absurd(r: Recording) -> None:
-    """Drop rows whose stamp is out of line while those around it go on as if it were not there.
-
-    Only a few: a clock that falls often has restarts or is no clock.
-    """
-    stamps, steps = r.stamps, r.stamps.steps()
-    falls = np.flatnonzero(steps < 0)
-    if len(r) < _LEAST_ROWS or not (steps > 0).any() or len(falls) > max(_MOST_ROWS, _MOST_SHARE * len(r)):
-        return
-    step, found = float(np.median(steps[steps > 0])), set[int]()
-    for fall in falls.tolist():
-        if not {fall, fall + 1} & found:
-            found |= _out_of_line(stamps, fall, step)
-    if found:
-        kept = np.setdiff1d(np.arange(len(r)), sorted(found))
-        bad = np.union1d(sorted(found), kept[list(_far_ends(stamps[kept].steps()))])
-    else:  # no copy of what may be 10^7 rows
-        bad = np.array(_far_ends(steps), dtype=np.intp)
-    r.found("stamp-absurd", bad, counted(len(bad), "row"), stamps[bad[:1]].text() if len(bad) else "")
-
-
-def _out_of_line(stamps: Stamps, fall: int, step: float) -> set[int]:
-    """Return the rows at a step back without which time goes on; empty where it starts anew."""
-    for count in range(1, _MOST_ROWS + 1):
-        for before, after in ((fall - count, fall + 1), (fall, fall + 1 + count)):
-            inside = before >= 0 and after < len(stamps)
-            gap = float(stamps[np.array([before, after])].steps()[0]) if inside else 0.0
-            if 0 < gap <= _IN_LINE * step * (count + 1):
-                return set(range(before + 1, after))
-    return set()
-
-
-def _far_ends(steps: NDArray[np.float64]) -> range:
-    """Return the first or the last few rows where one step away from them dwarfs all others."""
-    far = int(np.argmax(steps))
-    others = float(steps[steps > 0].sum() - steps[far])
-    if not 0 < others * _ABSURD < steps[far]:
-        return range(0)
-    if far < _MOST_ROWS:
-        return range(far + 1)
-    return range(far + 1, len(steps) + 1) if len(steps) - far <= _MOST_ROWS else range(0)
-
-
 def _wraps(r: Recording) -> None:
-    """Find a counter of so many bits that falls from near its top to near 0, or to its bottom.
-
-    Counters of nanoseconds wrap every 4 seconds: there the head must move on smoothly as well, and
-    so with bits that are rare.
-    """
+    """Find a 32-bit counter that falls from near its top to near 0, or to its bottom."""
     stamps, steps = r.stamps, r.stamps.steps()
     falls = np.flatnonzero(steps < 0)
     if stamps.clock or not 0 < len(falls) * _SHORTEST <= len(stamps):
         return
     step = float(np.median(steps[steps > 0]))
     scales = _SCALES if stamps.billionths.any() else (1,)
-    for bits, scale in ((bits, scale) for bits in (*_BITS, *_OTHER_BITS) for scale in scales):
+    for bits, scale in ((bits, scale) for bits in _BITS for scale in scales):
         top = 2**bits / scale
-        if top < _SHORTEST * step:
-            continue
-        long = bits in _BITS and top / step > _LONG
         after = steps[falls] + top
-        near = (after > 0) & (after <= step * (_NEAR if long else _NEAREST))
+        near = (top > _LONG * step) & (after > 0) & (after <= step * _NEAR)
         near &= (stamps.whole[falls] <= top) & (stamps.whole[falls + 1] >= -top / 2 - 1)
-        over = np.zeros(len(steps), bool)
-        over[falls[near]] = True
-        if not long:  # a step that turns the head no more than those around it
-            angle = _turned(r.orientation)
-            padded = np.pad(angle, 3, mode="edge")
-            around = np.max([padded[k : k + len(angle)] for k in (0, 1, 2, 4, 5, 6)], axis=0)
-            over &= angle <= _SMOOTH * around + np.radians(1.0)
-        if over.any():
+        if near.any():
             what = f"the clock wraps {{}}, at 2^{bits}{f'/{scale:g}' if scale > 1 else ''}"
-            _wrapped(r, "clock-wrap", over, 2**bits * BILLION // scale, what)
+            _wrapped(r, "clock-wrap", falls[near] + 1, 2**bits * BILLION // scale, what)
             return
 
 
@@ -317,13 +244,7 @@ def _turned(orientation: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _find_unit(r: Recording) -> None:
-    """Find the unit of the clock; where nothing says it, that whose rate is a tracker's.
-
-    Stamps of 18 digits are ticks of 100 ns (.NET and Windows file time since their epochs), and
-    those with decimals between 2000 and 2100 as Unix time are seconds, also of few key frames.
-    Otherwise it is the unit whose rate is nearest to the usual one, as a ratio; ticks of 100 ns
-    only where no other unit lies within 10..1500 Hz.
-    """
+    """Find the unit of the clock; where nothing says it, that whose rate is a tracker's."""
     stamps, steps, first = r.stamps, r.stamps.steps(), int(r.stamps.whole[0])
     if r.layout.unit == FRAMES:
         step_ns = BILLION / (r.options.rate or 1)
@@ -344,7 +265,7 @@ def _find_unit(r: Recording) -> None:
     rates = {unit: BILLION / (step * ns) for unit, ns in UNITS_NS.items()}
     likely = sorted(rates, key=lambda unit: abs(np.log(rates[unit] / _USUAL_HZ)))
     best = next(unit for unit in likely if unit != "100ns")
-    if 10**17 <= first < 10**18:
+    if 10**17 <= first < 10**18:  # ticks of .NET and Windows file time since their epochs
         r.unit = "100ns"
     elif _UNIX_S[0] <= first < _UNIX_S[1] and stamps.billionths.any() and step < _APART_S:
         r.unit = "s"
@@ -355,10 +276,7 @@ def _find_unit(r: Recording) -> None:
 
 
 def _clock_changes(r: Recording) -> None:
-    """Count on where the clock leaps while the head moves on, by half a minute or at rest years.
-
-    Errors: TraceError for a clock that counts another unit from some row on.
-    """
+    """Count on where the clock leaps while the head moves on, by half a minute or at rest years."""
     stamps, steps, size = r.stamps, r.stamps.steps(), UNITS_NS[r.unit] / BILLION
     at = int(np.argmax(np.abs(steps))) if len(steps) else 0
     before, after = (part[part > 0] for part in (steps[:at], steps[at + 1 :]))
@@ -429,11 +347,7 @@ def _read_times(r: Recording) -> None:
 
 
 def _coarse_clock(r: Recording) -> None:
-    """Find a clock of so few ticks that rows, taken evenly, fit the head better than stamps.
-
-    It stands still between them, though the head does not. Rows are spaced evenly where that fits
-    every stamp.
-    """
+    """Find a clock of so few ticks that rows, taken evenly, fit the head better than stamps."""
     steps = np.diff(r.time_ns)
     tick = _tick(steps) if len(steps) >= 2 * _SHORTEST else None
     if tick is None:
@@ -519,8 +433,14 @@ _NEARER, _PAIRED, _LEAST_PAIRS = 8, 0.3, 20
 _LEAST_RUN = 3  # rows of one pose at the start
 
 
+def _pose_repeats(r: Recording) -> NDArray[np.bool_]:
+    """Return of each row but the last whether the next has the same pose, (n - 1,)."""
+    same = (r.orientation[1:] == r.orientation[:-1]).all(axis=1)
+    return np.asarray(same if r.position is None else same & (r.position[1:] == r.position[:-1]).all(axis=1))
+
+
 def _which_are_new(r: Recording) -> None:
-    """Drop rows of an instant that has another, and default poses."""
+    """Drop rows of an instant that has another, and default poses, to and from which it jumps."""
     if r.judged.is_inverse:
         r.orientation, r.position = inverted(r.orientation, r.position)
     at = np.flatnonzero(np.diff(r.time_ns) == 0)
@@ -530,19 +450,8 @@ def _which_are_new(r: Recording) -> None:
         near = np.flatnonzero(steps * _NEARER < np.quantile(steps, 0.9))
         if len(near) >= _PAIRED * len(steps):
             r.found("paired-rows", near, len(near), np.median(steps[near]) / 1e6)
-    _drop_default_poses(r)
-
-
-def _pose_repeats(r: Recording) -> NDArray[np.bool_]:
-    """Return of each row but the last whether the next has the same pose, (n - 1,)."""
-    same = (r.orientation[1:] == r.orientation[:-1]).all(axis=1)
-    return np.asarray(same if r.position is None else same & (r.position[1:] == r.position[:-1]).all(axis=1))
-
-
-def _drop_default_poses(r: Recording) -> None:
-    """Drop rows of no turn, or exactly at the origin, that the head jumps to and from."""
     q, p = r.orientation, r.position
-    default = np.abs(q[:, :3]).max(axis=1) < _ZERO_NORM
+    default = np.abs(q[:, :3]).max(axis=1) < _ZERO_NORM  # no turn, or exactly at the origin
     if p is not None:
         default |= ~p.any(axis=1)
     run = int(np.append(_pose_repeats(r), False).argmin()) + 1  # what recorders write until tracking starts
@@ -590,12 +499,9 @@ def _axes_and_unit(r: Recording) -> None:
         r.found("no-position", None)
     elif (scale := r.judged.scale[0]) != 1:
         r.position *= scale
-    if r.gaze is not None:
-        _turn_gaze(r, r.gaze)
-
-
-def _turn_gaze(r: Recording, found: NDArray[np.float64]) -> None:
-    """Make the gaze a direction in the head's axes, NaN where the tracker had none."""
+    if (found := r.gaze) is None:
+        return
+    # A direction in the head's axes, NaN where the tracker had none.
     length = np.linalg.norm(found, axis=1, keepdims=True)
     lost = length[:, 0] < _WORST_NORM
     if found.shape[1] == 4:

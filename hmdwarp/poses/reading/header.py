@@ -57,8 +57,7 @@ class Columns:
     position: tuple[int, int, int] | None = None
     length_m: float | None = None  # metres per unit if the name says it
     device: int | None = None
-    euler: tuple[str, ...] = ()  # names of angles in any order
-    vector: tuple[int, ...] = ()  # columns of a rotation vector (three), or of an axis and an angle about it (four)
+    vector: tuple[int, int, int] | None = None  # columns of a rotation vector
     vector_unit: str = ""  # "deg" or "rad" if the names say it
     angles: tuple[int, int, int] | None = None  # columns of the angles about x, y and z
     gravity: tuple[int, int, int] | None = None  # columns of the direction down, in the file's world
@@ -115,6 +114,10 @@ def find_columns(names: list[str]) -> Columns:
         groups[key].setdefault(parts[axis], i)
         if unit:
             lengths[key] = LENGTHS[unit]
+
+    def xyz(key: tuple[str, ...] | None) -> tuple[int, int, int] | None:
+        return None if key is None else (groups[key]["x"], groups[key]["y"], groups[key]["z"])
+
     orientation_key = _best([k for k, g in groups.items() if len(g) == 4 and (set(k) & _ROTATION or not k)])
     triples = [k for k, g in groups.items() if {"x", "y", "z"} <= set(g)]
     places = [k for k in triples if k != orientation_key and (set(k) & _POSITION or set(k) <= set(_HEAD))]
@@ -127,25 +130,40 @@ def find_columns(names: list[str]) -> Columns:
                 orders[tuple(words(found_number[1] or ""))].setdefault("xyzw"[int(found_number[2])], i)
         order_key = _best([key for key, order in orders.items() if len(order) == 4])
         turn, numbered = (None, False) if order_key is None else (orders[order_key], True)
-    vector = _find_vector(groups, split)
-    about = {word for column in vector for word in split[column]}
+    pairs = (_ROTATION, {"vector", "vec"}), ({"axis"}, {"angle"})  # of words that say together what a vector is
+    turning = [k for k in triples if set(k) & _VECTOR or any(set(k) & a and set(k) & b for a, b in pairs)]
+    # An axis with its angle in a column of its own is no vector.
+    angled = any(set(parts) & _ANGLE and not set(parts) & (_ELSEWHERE | {*"xyz"}) for parts in split)
+    vector = xyz(_best([k for k in turning if "w" not in groups[k] and not (angled and "axis" in k)]))
+    about = {word for column in vector or () for word in split[column]}
     told = [(i, parts) for i, parts in enumerate(split) if parts and not set(parts) & (_ELSEWHERE | _STEPS)]
     seconds = {tuple(parts[:-1]): i for i, parts in told if _TIME_UNITS.get(parts[-1]) == "s"}
     rests = [(seconds.get(tuple(parts[:-1])), i, _TIME_UNITS.get(parts[-1], "s")) for i, parts in told]
-
-    def xyz(key: tuple[str, ...] | None) -> tuple[int, int, int] | None:
-        return None if key is None else (groups[key]["x"], groups[key]["y"], groups[key]["z"])
-
+    clocks: list[tuple[int, int, str | None]] = []  # rank, column, unit
+    for i, parts in told:
+        said = _TIME_UNITS.get(parts[-1]) if len(parts) > 1 else None
+        rest = parts[:-1] if said else parts
+        joined = "".join(rest)
+        if joined in _TIMES:
+            clocks.append((0, i, said))
+        elif "date" not in parts and (set(rest) & (_TIMES - {"t"}) or re.search("timest(amp|ep)", joined)):
+            clocks.append((1, i, said))
+    named = {word: i for i, parts in enumerate(split) for word in set(parts) & set(_ANGLES)}
+    turns = {axis: named[word] for word, axis in _ANGLES.items() if word in named}
+    turns = {axis: column for axis, column in turns.items() if not set(split[column]) & _ELSEWHERE}
+    bare = {parts[0][1]: i for i, parts in enumerate(split) if parts and parts[0] in _BARE_TURNS}
+    angles = next(((at["x"], at["y"], at["z"]) for at in (turns, bare) if len(at) == 3), None)
     return Columns(
-        clocks=_find_clocks(told),
+        clocks=tuple((i, said) for _, i, said in sorted(clocks, key=lambda clock: clock[:2])),
         pairs=tuple((whole, i, unit) for whole, i, unit in rests if unit != "s" and whole is not None),
         date=next((i for i, parts in told if set(parts) & _DATES), None),
         frames=next((i for i, n in enumerate(names) if "".join(re.findall("[a-z]+", n.lower())) in _FRAMES), None),
         orientation=None if turn is None else (turn["x"], turn["y"], turn["z"], turn["w"]), numbered=numbered,
         position=xyz(position_key), length_m=None if position_key is None else lengths.get(position_key),
         device=next((i for i, n in enumerate(names) if re.sub(r"[^a-z]", "", n.lower()) in _DEVICES), None),
-        euler=_find_euler(names, split, groups), angles=_find_angles(split, groups), gravity=xyz(down),
-        vector=vector, vector_unit="deg" if about & _DEGREES else "rad" if about & _RADIANS else "",
+        angles=angles or xyz(_best([k for k in triples if set(k) & (_ROTATION | _EULER)])),
+        gravity=xyz(down), vector=vector,
+        vector_unit="deg" if about & _DEGREES else "rad" if about & _RADIANS else "",
     )  # fmt: skip
 
 
@@ -155,56 +173,10 @@ def _best(keys: list[tuple[str, ...]]) -> tuple[str, ...] | None:
     return min(heads, key=lambda k: (not set(k) & set(_HEAD), len(k)), default=None)
 
 
-def _find_clocks(told: list[tuple[int, list[str]]]) -> tuple[tuple[int, str | None], ...]:
-    candidates: list[tuple[int, int, str | None]] = []
-    for i, parts in told:
-        unit = _TIME_UNITS.get(parts[-1]) if len(parts) > 1 else None
-        rest = parts[:-1] if unit else parts
-        joined = "".join(rest)
-        if joined in _TIMES:
-            candidates.append((0, i, unit))
-        elif "date" not in parts and (set(rest) & (_TIMES - {"t"}) or re.search("timest(amp|ep)", joined)):
-            candidates.append((1, i, unit))
-    return tuple((i, unit) for _, i, unit in sorted(candidates, key=lambda c: c[:2]))
-
-
 def owner_rank(name: str) -> int:
     """Return whose clock a column is: 0 the pose's, 1 unknown, 2 a writer's or receiver's."""
     found = set(words(name))
     return 2 if found & _ANOTHERS else 0 if found & _OWN else 1
-
-
-def _find_vector(groups: Groups, split: list[list[str]]) -> tuple[int, ...]:
-    keys = [key for key, axes in groups.items() if {"x", "y", "z"} <= set(axes) and "w" not in axes]
-    free = (i for i, parts in enumerate(split) if set(parts) & _ANGLE and not set(parts) & (_ELSEWHERE | {*"xyz"}))
-    angle = next(free, None)
-    about = None if angle is None else _best([key for key in keys if "axis" in key])
-    named_so = [k for k in keys if set(k) & _VECTOR or {"axis", "angle"} <= set(k)]
-    named_so += [k for k in keys if k not in named_so and set(k) & _ROTATION and set(k) & {"vector", "vec"}]
-    key = about if about is not None else _best([k for k in keys if k in named_so])
-    if key is None:
-        return ()
-    xyz = (groups[key]["x"], groups[key]["y"], groups[key]["z"])
-    return xyz if about is None or angle is None else (*xyz, angle)
-
-
-def _find_angles(split: list[list[str]], groups: Groups) -> tuple[int, int, int] | None:
-    """Return the columns of the angles about x (pitch), y (yaw) and z (roll) of a head."""
-    named = {word: i for i, parts in enumerate(split) for word in set(parts) & set(_ANGLES)}
-    told = {axis: named[word] for word, axis in _ANGLES.items() if word in named}
-    found = {axis: column for axis, column in told.items() if not set(split[column]) & _ELSEWHERE}
-    bare = {parts[0][1]: i for i, parts in enumerate(split) if parts and parts[0] in _BARE_TURNS}
-    key = _best([k for k, g in groups.items() if set(k) & (_ROTATION | _EULER) and {"x", "y", "z"} <= set(g)])
-    at = found if len(found) == 3 else bare if len(bare) == 3 else {} if key is None else groups[key]
-    return (at["x"], at["y"], at["z"]) if at else None
-
-
-def _find_euler(names: list[str], split: list[list[str]], groups: Groups) -> tuple[str, ...]:
-    found = [names[i] for i, parts in enumerate(split) if set(parts) & (_EULER | {*_BARE_TURNS})]
-    for key, axes in groups.items():
-        if set(key) & _ROTATION and "w" not in axes and not set(key) & _ELSEWHERE:
-            found += [names[i] for i in axes.values()]
-    return tuple(dict.fromkeys(found))
 
 
 @attrs.frozen

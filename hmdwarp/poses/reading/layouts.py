@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import Any
 
@@ -14,21 +14,24 @@ import numpy as np
 
 from ...errors import InputError, TraceError, are_digits
 from ..assumptions import By, Defect, Layout
-from ..options import AXIS_ANGLE, COLUMNS, FRAMES, INVERSE, ROWS, VECTOR, Euler, TraceOptions, parse_euler
+from ..options import COLUMNS, FRAMES, INVERSE, ROWS, VECTOR, Euler, TraceOptions, parse_euler
 from ..track import PoseTrack
 from . import header
 from .axes import OPENXR, parse_axes
-from .pose_messages import COLUMNS as MESSAGES
-from .text_table import BILLION, CAVEATS, DATE, UNITS_NS, Head
+from .text_table import BILLION, DATE, UNITS_NS, Head
 
-_ORDER_ASSUMED, _UNSTAMPED = (Defect(kind, told["what"], told["done"]) for kind, told in CAVEATS.items())
+_ORDER_ASSUMED = Defect(
+    "order-assumed",
+    "nothing in the file says whether w comes first or last in its quaternions",
+    "w last taken, as in TUM files; --quat-order wxyz takes it first",
+)
 _MIXED = 4  # rows of several devices change from one to another at least every fourth time
 _CLOCKED = 0.9  # share of the steps in which a clock rises
 _OFF = 0.02  # of a rotation's matrix
 _SYNTAX = (
     "t=TIME,p=X+Y+Z,q=X+Y+Z+W with names or numbers from 1, such as t=1,p=2+3+4,q=5+6+7+8; or m=2-17 in place of q"
 )
-_COUNTS = {"t": (1,), "p": (3,), "q": (4,), "m": (9, 12, 16), "r": (3,), "a": (4,), "e": (3,)}
+_COUNTS = {"t": (1,), "p": (3,), "q": (4,), "m": (9, 12, 16), "r": (3,), "e": (3,)}
 
 
 def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
@@ -92,9 +95,9 @@ def _turn(head: Head, found: header.Columns, options: TraceOptions, known: dict[
     matrix = next(filter(None, (_arranged(head, cells, options.matrix) for cells in candidates)), None)
     if matrix is not None:
         return matrix | {"position": matrix["position"] or found.position}
-    if found.vector and (euler is None or euler.order in (VECTOR, AXIS_ANGLE)):
+    if found.vector and (euler is None or euler.order == VECTOR):
         by = By.USER if options.euler else By.FILE if found.vector_unit else By.DEFAULT
-        stated = euler or Euler(VECTOR if len(found.vector) == 3 else AXIS_ANGLE, found.vector_unit == "deg")
+        stated = euler or Euler(VECTOR, found.vector_unit == "deg")
         return {"orientation": found.vector, "euler": stated, "order_by": by}
     if euler is not None and found.angles is not None:
         axes = "xyz" if euler.order == VECTOR else euler.order
@@ -102,10 +105,8 @@ def _turn(head: Head, found: header.Columns, options: TraceOptions, known: dict[
         return {"orientation": columns, "euler": euler, "order_by": By.USER if options.euler else By.FORMAT}
     if candidates:
         of_matrix(head, candidates[0], options.matrix)
-    angles = ", ".join(found.euler[:4])
-    if angles and options.euler is not None:
-        raise TraceError(f"{head.path}: --euler takes three angles, called pitch, yaw and roll; found {angles}")
-    if angles:
+    if found.angles is not None:
+        angles = ", ".join(map(head.name_of, found.angles))
         how = "--euler states their order (ZXY,deg is Unity's; vector,rad a rotation vector)"
         raise TraceError(f"{head.path} gives Euler angles only ({angles}), in an order that it does not state: {how}")
     raise TraceError(f"{head.path} has no head orientation among {head.describe()}; see 'hmdwarp list formats'")
@@ -122,12 +123,9 @@ def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, uni
     known = options.quat_order or (order if options.format == name else None)
     assumed = known is None and head.separator is None
     stated = By.FORMAT if options.format == name else By.DEFAULT
-    turn, order_by = (
-        ordered(head, (4, 5, 6, 7), "xyzw" if assumed else known),
-        By.USER if options.quat_order else stated,
-    )
-    said: dict[str, Any] = {"columns_by": stated, "order_by": order_by, "unit": unit, "unit_by": By.FORMAT}
-    return Layout(0, turn, position=(1, 2, 3), caveats=(_ORDER_ASSUMED,) if assumed else (), **said)
+    said: dict[str, Any] = {"columns_by": stated, "order_by": By.USER if options.quat_order else stated}
+    said |= {"unit": unit, "unit_by": By.FORMAT, "caveats": (_ORDER_ASSUMED,) if assumed else ()}
+    return Layout(0, ordered(head, (4, 5, 6, 7), "xyzw" if assumed else known), position=(1, 2, 3), **said)
 
 
 def ordered(head: Head, columns: tuple[int, ...], order: str | None) -> tuple[int, int, int, int]:
@@ -152,10 +150,9 @@ def column_of(head: Head, word: str) -> int:
 
 def column_of_devices(head: Head) -> int | None:
     """Return the column that names devices, by its own name or by heads or hands in its rows."""
-    names = head.names or []
-    if (named := header.find_columns(names).device) is not None:
+    if (named := header.find_columns(head.names or []).device) is not None:
         return named
-    for column in range(len(names)):
+    for column in range(len(head.names or [])):
         fields = [row[column] for row in head.rows if column < len(row)]
         changes = sum(a != b for a, b in itertools.pairwise(fields))
         bodies = any(header.head_rank(name) != header.UNRANKED for name in set(fields) if not header.is_number(name))
@@ -189,12 +186,11 @@ def with_clock(head: Head, layout: Layout, options: TraceOptions) -> Layout:
 
 
 def axes_stated(head: Head) -> str | None:
-    """Return the axes that a comment of the file states, as `parse_axes` takes them.
+    """Return the axes that a comment states, such as "# axes: tum-rgbd", for `parse_axes`.
 
-    For instance "# axes: tum-rgbd". Comments in words count where they name OpenXR.
+    Comments in words count where they name OpenXR.
     """
-    for _, text in head.comments:
-        key, _, value = text.partition(":")
+    for key, _, value in (text.partition(":") for _, text in head.comments):
         if key.strip().lower() == "axes":
             with suppress(InputError):
                 said = OPENXR if OPENXR in value.lower() else value
@@ -222,12 +218,12 @@ def stated_layout(head: Head, options: TraceOptions) -> Layout:
     parts = [part.partition("=") for part in text.split(",")]
     stated: dict[str, tuple[int, ...]] = {}
     for key, _, value in parts:
-        found = re.fullmatch(r"\s*(\d+)\s*-\s*(\d+)\s*", value)  # from one number to another (2-17)
-        span = found is not None and head.column(value) is None
-        words = map(str, range(int(found[1]), int(found[2]) + 1)) if found and span else value.split("+")
+        words: Iterable[str] = value.split("+")
+        if (span := re.fullmatch(r"\s*(\d+)\s*-\s*(\d+)\s*", value)) and head.column(value) is None:  # such as 2-17
+            words = map(str, range(int(span[1]), int(span[2]) + 1))
         if value:
             stated[key.strip()] = tuple(column_of(head, word) for word in words)
-    turns = [key for key in stated if key in "qmrae"]
+    turns = [key for key in stated if key in "qmre"]
     counts = all(len(columns) in _COUNTS.get(key, ()) for key, columns in stated.items())
     if len(stated) != len(parts) or len(turns) != 1 or not counts:
         raise InputError(f"--columns '{text}': expected {_SYNTAX}")
@@ -242,7 +238,7 @@ def stated_layout(head: Head, options: TraceOptions) -> Layout:
     elif options.euler:
         facts["euler"] = parse_euler(options.euler)
     else:
-        facts |= {"euler": Euler(VECTOR if key == "r" else AXIS_ANGLE, degrees=False), "order_by": By.DEFAULT}
+        facts |= {"euler": Euler(VECTOR, degrees=False), "order_by": By.DEFAULT}
     (time,), place = stated.get("t", (None,)), facts.get("position") or stated.get("p")
     return Layout(time=time, columns_by=By.USER, device=column_of_devices(head), **facts | {"position": place})
 
@@ -285,11 +281,9 @@ def _arranged(head: Head, cells: header.Cells, order: str | None) -> dict[str, A
 def _sniff_ticks(head: Head) -> int:
     time = head.column("timestamp") if head.names else 0
     stamp = head.rows[0][time] if time is not None and time < head.width else ""
-    if not (len(stamp) == 18 and are_digits(stamp)):
-        return 0
-    if head.names is None:
-        return 6 if head.width == 8 else 0
-    return 85 if {"timestamp", "x", "y", "z", "qx", "qy", "qz", "qw"} <= set(head.names) else 0
+    named = {"timestamp", "x", "y", "z", "qx", "qy", "qz", "qw"} <= set(head.names or ())
+    likely = 6 * (head.width == 8) if head.names is None else 85 * named
+    return likely if len(stamp) == 18 and are_digits(stamp) else 0
 
 
 def _sniff_frames(head: Head) -> int:
@@ -342,13 +336,6 @@ def _of_multiviewpoint(head: Head, options: TraceOptions, facts: dict[str, Any])
     return named_layout(head, options, **facts)
 
 
-def _of_messages(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
-    stamped = any(int(row[0]) for row in head.rows)
-    time, device = (MESSAGES.index(name) for name in ("stamp_ns" if stamped else "log_time_ns", "topic"))
-    said: dict[str, Any] = {**facts, "unit_by": By.FORMAT, "columns_by": By.FORMAT, "device": device}
-    return Layout(time, (6, 7, 8, 9), position=(3, 4, 5), caveats=() if stamped else (_UNSTAMPED,), **said)
-
-
 def refuse_hanging(head: Head, track: PoseTrack) -> None:
     """Refuse frames whose head hangs upside down, and would be upright had w come last.
 
@@ -377,9 +364,8 @@ SNIFFS: dict[str, Callable[[Head], int]] = {
     **{"ticks": _sniff_ticks, "frames": _sniff_frames},
 }  # fmt: skip
 LAYOUTS: dict[str, Callable[[Head, TraceOptions, dict[str, Any]], Layout]] = {
-    **{"matrices": _of_matrices, "frames": _of_frames, "multiviewpoint": _of_multiviewpoint, "messages": _of_messages},
+    **{"matrices": _of_matrices, "frames": _of_frames, "multiviewpoint": _of_multiviewpoint},
     "stated": lambda head, options, _: stated_layout(head, options),
-    "colmap": lambda _, __, facts: Layout(None, (1, 2, 3, 0), position=(4, 5, 6), columns_by=By.FORMAT, **facts),
     "ticks": lambda head, options, facts: (
         named_layout(head, options, **facts) if head.names else unnamed_layout(head, options, "ticks", "xyzw", "100ns")
     ),

@@ -12,7 +12,7 @@ import itertools
 import re
 import struct
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
@@ -59,7 +59,11 @@ def table_of_json(path: Path, raw: bytes) -> Made | None:
         return Made("iwer", rows_text(map(str, frame) for frame in frames), _IWER)
     if heads := list(_browser_heads(document)):
         return Made("browser", rows_text(heads), _BROWSER)
-    records = _records(document)
+    flat = ((records, _flat(records[-1])) for records in _lists(document))  # the first may be a header
+    ranked = [((_has_pose(last), len(records), len(last)), records) for records, last in flat]
+    records = max(ranked, key=itemgetter(0), default=((), []))[1]
+    if records and isinstance(records[0], list) and _are_names(records[0]):
+        records = [dict(zip(records[0], record, strict=False)) for record in records[1:] if isinstance(record, list)]
     if len(records) < _LEAST_RECORDS:
         keys = ", ".join(list(_flat(document))[:8])
         raise TraceError(f"{path} is JSON without a list or an object of poses: its keys are {keys[:300] or 'none'}")
@@ -102,16 +106,6 @@ def _browser_heads(document: Any) -> Iterator[list[str]]:
                     yield [str(cell).replace(",", " ").replace("\n", " ") for cell in (line["session"], *head)]
 
 
-def _records(document: Any) -> list[Any]:
-    """Return the longest list of objects or of lists in a document, named if it has names."""
-    flat = ((records, _flat(records[-1])) for records in _lists(document))  # the first may be a header
-    ranked = [((_has_pose(last), len(records), len(last)), records) for records, last in flat]
-    found = max(ranked, key=itemgetter(0), default=((), []))[1]
-    if found and isinstance(found[0], list) and _are_names(found[0]):
-        return [dict(zip(found[0], record, strict=False)) for record in found[1:] if isinstance(record, list)]
-    return found
-
-
 def _lists(document: Any) -> Iterator[list[Any]]:
     if isinstance(document, list):
         if len(document) == 1:
@@ -127,30 +121,18 @@ def _lists(document: Any) -> Iterator[list[Any]]:
                 yield [names, *rows]
             else:
                 yield from _lists(value)
-        yield from _values_of(document)
-        yield from _columns_of(document)
-
-
-def _values_of(document: dict[str, Any]) -> Iterator[list[Any]]:
-    """Yield the values of an object that are poses, each with its key, a time or a number."""
-    values = [value if isinstance(value, dict) else {"pose": value} for value in document.values()]
-    if len(values) < _LEAST_RECORDS or not all(_has_pose(_flat(value)) for value in (values[0], values[-1])):
-        return
-    numbers = [(re.findall(r"\d+(?:\.\d+)?", key) or [str(i)])[-1] for i, key in enumerate(document)]
-    name = "time" if any("." in number for number in numbers) else "frame"
-    yield [{name: number, **value} for number, value in zip(numbers, values, strict=True)]
-
-
-def _columns_of(document: dict[str, Any]) -> Iterator[list[Any]]:
-    """Yield the rows of an object that holds a list for each column, if they are poses."""
-    lengths = Counter(len(value) for value in document.values() if isinstance(value, list))
-    count = max(lengths, key=lambda n: (lengths[n], n), default=0)
-    columns = {key: value for key, value in document.items() if isinstance(value, list) and len(value) == count}
-    if count < _LEAST_RECORDS:
-        return
-    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-    if _has_pose(_flat(rows[0])):
-        yield rows
+        # Its values may be poses, each with its key, a time or a number; or a column each.
+        values = [value if isinstance(value, dict) else {"pose": value} for value in document.values()]
+        if len(values) >= _LEAST_RECORDS and all(_has_pose(_flat(value)) for value in (values[0], values[-1])):
+            numbers = [(re.findall(r"\d+(?:\.\d+)?", key) or [str(i)])[-1] for i, key in enumerate(document)]
+            name = "time" if any("." in number for number in numbers) else "frame"
+            yield [{name: number, **value} for number, value in zip(numbers, values, strict=True)]
+        lengths = Counter(len(value) for value in document.values() if isinstance(value, list))
+        count = max(lengths, key=lambda n: (lengths[n], n), default=0)
+        columns = {key: value for key, value in document.items() if isinstance(value, list) and len(value) == count}
+        rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        if len(rows) >= _LEAST_RECORDS and _has_pose(_flat(rows[0])):
+            yield rows
 
 
 def _are_names(value: Any) -> bool:
@@ -217,7 +199,12 @@ def _cells_made(_: Path, text: str) -> Made | None:
     outside = re.sub(r'"[^"]*"|\([^()]*\)|\[[^\[\]]*\]|\{[^{}]*\}', "", outside)
     separator = next((mark for mark in ";\t," if mark in outside), None)
     first = [_parts(cell) for cell in _cells(lines[begin], separator)]
-    header = [_header_name(cell) for cell in _cells(lines[begin - 1], separator)] if begin else []
+    bare = [cell.strip().strip('"').strip("# ") for cell in _cells(lines[begin - 1], separator)] if begin else []
+    lettered = [(name, re.search(r"[(\[{]((?:\s*[A-Za-z]\s*[,;\s])+\s*[A-Za-z])\s*[)\]}]$", name)) for name in bare]
+    header = [
+        (name[: found.start()].strip(), "".join(re.findall("[A-Za-z]", found[1])).lower()) if found else (name, "")
+        for name, found in lettered
+    ]
     named = len(header) == len(first)
     names: list[str] = []
     for i, parts in enumerate(first):
@@ -273,14 +260,6 @@ def _parts(cell: str) -> list[tuple[str, str]]:
     return [("", bare.replace(",", " "))]
 
 
-def _header_name(cell: str) -> tuple[str, str]:
-    bare = cell.strip().strip('"').strip("# ")
-    letters = re.search(r"[(\[{]((?:\s*[A-Za-z]\s*[,;\s])+\s*[A-Za-z])\s*[)\]}]$", bare)
-    if letters is None:
-        return bare, ""
-    return bare[: letters.start()].strip(), "".join(re.findall("[A-Za-z]", letters[1])).lower()
-
-
 def _names(name: str, letters: str, parts: list[tuple[str, str]]) -> list[str]:
     count, labels = len(parts), [label for label, _ in parts]
     if count == 1:
@@ -294,9 +273,24 @@ def _names(name: str, letters: str, parts: list[tuple[str, str]]) -> list[str]:
     return [f"{name}.{label}" for label in labels]
 
 
+def _of_bodies(
+    kind: str, lines: Iterable[tuple[str, list[str]]], bodies: dict[str, list[int]], names: Iterable[str],
+    facts: dict[str, Any],
+) -> Made:  # fmt: skip
+    """Return a row for each body of each line, a time and cells, where it has all numbers."""
+    rows = [
+        [time, name.replace(",", " "), *(line[c] for c in columns)]
+        for time, line in lines
+        for name, columns in bodies.items()
+        if len(line) > max(columns) and all(line[c] for c in columns)
+    ]
+    return Made(kind, rows_text(rows), ("time_s", "device", *names), facts=facts)
+
+
 _QUALISYS_EACH = 16  # columns of a body: X Y Z Roll Pitch Yaw Residual Rot[0] .. Rot[8]
-_QUALISYS_TURN = tuple(7 + 3 * column + row for row in range(3) for column in range(3))  # Rot[] goes by columns
-_QUALISYS_NAMES = ("time_s", "device", "x", "y", "z", *(f"r{row}{column}" for row in range(3) for column in range(3)))
+# X Y Z, and Rot[] by rows, which goes by columns.
+_QUALISYS_READ = (0, 1, 2, *(7 + 3 * column + row for row in range(3) for column in range(3)))
+_QUALISYS_NAMES = ("x", "y", "z", *(f"r{row}{column}" for row in range(3) for column in range(3)))
 _QUALISYS_FACTS = {"matrix": "by columns (Rot[0] Rot[1] Rot[2] is the first)", "scale": 0.001}
 _QUALISYS_FACTS |= dict.fromkeys(("order_by", "scale_by"), By.FORMAT)
 
@@ -308,21 +302,23 @@ def _qualisys_made(path: Path, text: str) -> Made:
     if begin is None:
         held = " ".join(about.get("DATA_INCLUDED", ["no"]))
         raise TraceError(f"{path}: a Qualisys export of {held} data: export the bodies as 6D, with header")
-    first = lines[begin].index("Rot[0]") - 7
-    bodies = about.get("BODY_NAMES") or [name.removesuffix(" X") for name in lines[begin][first::_QUALISYS_EACH]]
-    clock = lines[begin].index("Time") if "Time" in lines[begin][:first] else None
-    stated = "".join(about.get("FREQUENCY", [])[:1])
-    rate = float(stated) if clock is None and re.fullmatch(r"[0-9]+(\.[0-9]+)?", stated) else 0.0
-    if clock is None and not rate:
-        raise TraceError(f"{path}: a Qualisys export with neither a column Time nor a FREQUENCY: export it with them")
-    rows = []
-    for i, row in enumerate(lines[begin + 1 :]):
-        for body, name in enumerate(bodies):
-            numbers = row[first + body * _QUALISYS_EACH :][:_QUALISYS_EACH]
-            if len(numbers) == _QUALISYS_EACH and all(numbers):
-                time = repr(i / rate) if clock is None else row[clock]
-                rows.append([time, name.replace(",", " "), *numbers[:3], *(numbers[c] for c in _QUALISYS_TURN)])
-    return Made("qualisys", rows_text(rows), _QUALISYS_NAMES, facts=_QUALISYS_FACTS)
+    names, lines = lines[begin], lines[begin + 1 :]
+    first = names.index("Rot[0]") - 7
+    bodies = about.get("BODY_NAMES") or [name.removesuffix(" X") for name in names[first::_QUALISYS_EACH]]
+    if "Time" in names[:first]:
+        clock = names.index("Time")
+        times = [row[clock] if len(row) > clock else "" for row in lines]
+    else:
+        stated = "".join(about.get("FREQUENCY", [])[:1])
+        rate = float(stated) if re.fullmatch(r"[0-9]+(\.[0-9]+)?", stated) else 0.0
+        if not rate:
+            what = "a Qualisys export with neither a column Time nor a FREQUENCY: export it with them"
+            raise TraceError(f"{path}: {what}")
+        times = [repr(i / rate) for i in range(len(lines))]
+    columns = {
+        name: [first + body * _QUALISYS_EACH + part for part in _QUALISYS_READ] for body, name in enumerate(bodies)
+    }
+    return _of_bodies("qualisys", zip(times, lines, strict=True), columns, _QUALISYS_NAMES, _QUALISYS_FACTS)
 
 
 _MOTIVE_LENGTHS = {"meters": 1.0, "centimeters": 0.01, "millimeters": 0.001, "inches": 0.0254, "feet": 0.3048}
@@ -344,18 +340,14 @@ def _motive_made(path: Path, text: str) -> Made:
             bodies.setdefault(names[c], {}).setdefault(f"{parts[c]}.{axes[c].lower()}", c)
     if not bodies:
         raise TraceError(f"{path}: a Motive export without rigid bodies: tick 'Rigid Bodies' where it is exported")
-    columns = next(iter(bodies.values()))
-    for name in (name for name, at in bodies.items() if at.keys() != columns.keys()):
+    wanted = next(iter(bodies.values()))
+    for name in (name for name, at in bodies.items() if at.keys() != wanted.keys()):
         raise TraceError(f"{path}: {name} has other columns than {next(iter(bodies))}: export it again")
-    rows = [
-        [row[1], name.replace(",", " "), *(row[at[part]] for part in columns)]
-        for row in lines[begin + 1 :]
-        for name, at in bodies.items()
-        if len(row) > max(at.values()) and all(row[at[part]] for part in columns)
-    ]
+    columns = {name: [at[part] for part in wanted] for name, at in bodies.items()}
     unit = about.get("Length Units", "").lower()
     facts = {"scale": _MOTIVE_LENGTHS[unit], "scale_by": By.FILE} if unit in _MOTIVE_LENGTHS else {}
-    return Made("motive", rows_text(rows), ("Time (s)", "device", *columns), facts=facts)
+    timed = ((row[1], row) for row in lines[begin + 1 :] if len(row) > 1)
+    return _of_bodies("motive", timed, columns, wanted, facts)
 
 
 _ENDING = "_motion.tsv"
@@ -485,81 +477,79 @@ class ColmapCamera:
 
 def read_images(path: Path) -> list[ColmapImage]:
     """Return the images of images.txt or images.bin, by name. Errors: TraceError."""
-    rows = _images_in_binary(path) if path.suffix == ".bin" else _images_in_text(path, content_of(path, _MODEL))
-    return sorted(rows, key=lambda image: image.name)
+    return _images(path, content_of(path, _MODEL))
 
 
 def table_of_colmap(path: Path, raw: bytes) -> Made:
     """Return the poses of images.txt in the order of the names. Errors: TraceError."""
-    images = sorted(_images_in_text(path, raw), key=lambda image: image.name)
-    return Made("colmap", rows_text(map(repr, image.pose) for image in images), COLUMNS)
+    return Made("colmap", rows_text(map(repr, image.pose) for image in _images(path, raw)), COLUMNS)
 
 
-def read_cameras(path: Path) -> dict[int, ColmapCamera]:
-    """Return the cameras of cameras.txt or cameras.bin by their numbers. Errors: TraceError."""
-    return dict(_cameras_in_binary(path) if path.suffix == ".bin" else _cameras_in_text(path))
+def _images(path: Path, raw: bytes) -> list[ColmapImage]:
+    from scipy.spatial.transform import Rotation
+
+    images = []
+    for where, name, camera_id, pose in (_in_binary if path.suffix == ".bin" else _in_text)(path, raw):
+        w, x, y, z, *moved = pose
+        length = float(np.linalg.norm((w, x, y, z)))
+        if not abs(length - 1) <= 1e-2 or not np.isfinite(moved).all():
+            raise TraceError(f"{where}: a quaternion of length {length:.4g}; expected 1 within 0.01, w x y z")
+        turned = Rotation.from_quat((x, y, z, w)).as_matrix().T
+        images.append(ColmapImage(where, name, camera_id, tuple(pose), turned))
+    return sorted(images, key=lambda image: image.name)
 
 
-def _images_in_text(path: Path, raw: bytes) -> Iterator[ColmapImage]:
+def _in_text(path: Path, raw: bytes) -> Iterator[tuple[str, str, int, list[float]]]:
     """Yield the images of the text form: a line of its pose, and one of points, perhaps empty."""
-    lines = enumerate(_lines(path, raw), 1)
-    for number, line in lines:
+    lines = _lines(path, raw)
+    for where, line in lines:
         if not line.strip() or line.startswith("#"):
             continue
-        where, words = f"{path}, line {number}", line.split(maxsplit=9)
+        words = line.split(maxsplit=9)
         try:
             numbers = [float(word) for word in words[:9]]
             name = words[9].strip()
         except (ValueError, IndexError):
             wanted = "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of points"
             raise TraceError(f"{where}: '{line.strip()[:60]}'; expected {wanted}") from None
-        yield _image(where, name, int(numbers[8]), numbers[1:8])
+        yield where, name, int(numbers[8]), numbers[1:8]
         next(lines, None)
 
 
-def _images_in_binary(path: Path) -> Iterator[ColmapImage]:
-    raw = content_of(path, _MODEL)
+def _in_binary(path: Path, raw: bytes) -> Iterator[tuple[str, str, int, list[float]]]:
     stream = io.BytesIO(raw)
     for number in range(*_unpacked(path, stream, _COUNT)):
         _, *pose, camera_id = _unpacked(path, stream, _POSE)
         name = stream.read(max(0, raw.find(b"\0", stream.tell()) - stream.tell()))
         stream.read(1)
-        yield _image(f"{path}, image {number}", name.decode("utf-8", "replace"), camera_id, pose)
+        yield f"{path}, image {number}", name.decode("utf-8", "replace"), camera_id, pose
         points = _POINT_BYTES * _unpacked(path, stream, _COUNT)[0]
         _unpacked(path, stream, f"{min(points, len(raw))}x")  # of 2^64 no file has the bytes
 
 
-def _image(where: str, name: str, camera_id: int, pose: list[float]) -> ColmapImage:
-    from scipy.spatial.transform import Rotation
-
-    w, x, y, z, *moved = pose
-    length = float(np.linalg.norm((w, x, y, z)))
-    if not abs(length - 1) <= 1e-2 or not np.isfinite(moved).all():
-        raise TraceError(f"{where}: a quaternion of length {length:.4g}; expected 1 within 0.01, w x y z")
-    return ColmapImage(where, name, camera_id, tuple(pose), Rotation.from_quat((x, y, z, w)).as_matrix().T)
-
-
-def _cameras_in_text(path: Path) -> Iterator[tuple[int, ColmapCamera]]:
-    for number, line in enumerate(_lines(path, content_of(path, _MODEL)), 1):
+def read_cameras(path: Path) -> dict[int, ColmapCamera]:
+    """Return the cameras of cameras.txt or cameras.bin by their numbers. Errors: TraceError."""
+    found, raw = {}, content_of(path, _MODEL)
+    if path.suffix == ".bin":
+        stream = io.BytesIO(raw)
+        for number in range(*_unpacked(path, stream, _COUNT)):
+            key, model, wide, high = _unpacked(path, stream, _CAMERA)
+            where = f"{path}, camera {number}"
+            if not 0 <= model < len(_MODELS):
+                raise TraceError(f"{where}: model {model}; expected 0 to {len(_MODELS) - 1}")
+            name, count = _MODELS[model]
+            found[key] = ColmapCamera(where, name, (wide, high), _unpacked(path, stream, f"<{count}d"))
+        return found
+    for where, line in _lines(path, raw):
         words = line.split()
         if not words or words[0].startswith("#"):
             continue
-        where = f"{path}, line {number}"
         try:
-            key, wide, high = int(words[0]), int(words[2]), int(words[3])
-            yield key, ColmapCamera(where, words[1], (wide, high), tuple(float(word) for word in words[4:]))
+            size, parameters = (int(words[2]), int(words[3])), tuple(float(word) for word in words[4:])
+            found[int(words[0])] = ColmapCamera(where, words[1], size, parameters)
         except (ValueError, IndexError):
             raise TraceError(f"{where}: '{line.strip()[:60]}'; expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS") from None
-
-
-def _cameras_in_binary(path: Path) -> Iterator[tuple[int, ColmapCamera]]:
-    stream = io.BytesIO(content_of(path, _MODEL))
-    for number in range(*_unpacked(path, stream, _COUNT)):
-        key, model, wide, high = _unpacked(path, stream, _CAMERA)
-        if not 0 <= model < len(_MODELS):
-            raise TraceError(f"{path}, camera {number}: model {model}; expected 0 to {len(_MODELS) - 1}")
-        name, count = _MODELS[model]
-        yield key, ColmapCamera(f"{path}, camera {number}", name, (wide, high), _unpacked(path, stream, f"<{count}d"))
+    return found
 
 
 def _unpacked(path: Path, stream: io.BytesIO, form: str) -> tuple[Any, ...]:
@@ -569,8 +559,10 @@ def _unpacked(path: Path, stream: io.BytesIO, form: str) -> tuple[Any, ...]:
     return struct.unpack(form, data)
 
 
-def _lines(path: Path, raw: bytes) -> list[str]:
+def _lines(path: Path, raw: bytes) -> Iterator[tuple[str, str]]:
+    """Return each line behind the words that say where it is."""
     try:
-        return raw.decode("utf-8-sig").splitlines()
+        lines = raw.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
         raise TraceError(f"{path}: not a text file ({error})") from None
+    return ((f"{path}, line {number}", line) for number, line in enumerate(lines, 1))

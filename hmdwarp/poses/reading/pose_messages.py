@@ -10,7 +10,7 @@ import struct
 import threading
 import tomllib
 import weakref
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
@@ -23,10 +23,11 @@ from ...resources import import_extra
 from ..assumptions import Defect
 from .header import Made
 
-COLUMNS = ("stamp_ns", "log_time_ns", "topic", "x", "y", "z", "qx", "qy", "qz", "qw")
+COLUMNS = ("stamp_ns", "topic", "x", "y", "z", "qx", "qy", "qz", "qw")
 _TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 _FIELDS, _LISTS = {name: text.split() for name, text in _TABLE["fields"].items()}, _TABLE["lists"]
 WITH_POSES = {*_FIELDS, *_LISTS}  # types of messages
+_FILES = {"mcap": ("an MCAP file", "as JSON, protobuf or ROS 2's CDR"), "rosbag": ("a bag", "of ROS 1 or ROS 2")}
 _STATIC = "tf_static"  # topic of transforms that never change: no head
 _DATA = re.compile(r"^\s*- (\S+\.(?:db3|mcap))\s*$", re.MULTILINE)  # of a recording, in its metadata
 _XYZ, _XYZW = operator.attrgetter("x", "y", "z"), operator.attrgetter("x", "y", "z", "w")
@@ -58,46 +59,43 @@ def part_of(path: Path) -> str:
     return f"{path.name} is one of the {len(files)} files of its recording, as metadata.yaml says"
 
 
-class PoseMessages:
-    """The poses of a recording of messages, as rows of COLUMNS."""
+def _table(
+    path: Path, kind: str, poses: Iterable[tuple[str, int, StampedPose]], held: Mapping[str, str],
+    defects: list[Defect], comments: Iterable[str] = (),
+) -> Made:  # fmt: skip
+    """Return a row of COLUMNS for each pose. poses: topic, time of logging in ns and pose.
 
-    kind = ""  # of the table
-    file = ""  # what it is, in words
-    wanted = ""  # how messages may be written
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.comments: list[str] = []
-        self.defects: list[Defect] = []
-        self.held: dict[str, str] = {}  # what the other topics hold, in words
-
-    def poses(self) -> Iterator[tuple[str, int, StampedPose]]:
-        """Yield topic, time of logging in ns and pose. Errors: TraceError."""
-        raise NotImplementedError
-
-    def table(self) -> Made:
-        rows, children, frames = [], dict[str, str](), dict[str, str]()  # frame -> the one it is in; topic -> frame
-        for topic, logged_ns, (stamped_ns, parent, child, numbers) in self.poses():
-            if child:
-                children.setdefault(child, parent)
-            if topic.rpartition("/")[2] == _STATIC:
-                continue
-            name = " ".join(f"{topic} {child}".replace(",", " ").replace('"', " ").split())
-            frames.setdefault(name, parent)
-            rows.append(",".join((str(stamped_ns), str(logged_ns), name, *map(repr, numbers))))
-        if not rows:
-            types, held = ", ".join([*_FIELDS, *_LISTS]), [f"{topic} ({what})" for topic, what in self.held.items()]
-            others = f" that can be read; it holds {', '.join(held[:8])}" if held else ""
-            raise TraceError(f"{self.path} is {self.file} without poses{others}: expected {types}, {self.wanted}")
-        if part := part_of(self.path):
-            self.defects.append(Defect("part-alone", part, "the others are not read"))
-        text = "\n".join([*self.comments, ",".join(COLUMNS), *rows, ""]).encode()
-        nested = {}
-        for name, parent in frames.items():
-            if parent in children:
-                what = f"its poses are in frame '{parent}', which is itself in frame '{children[parent]}'"
-                nested[name] = Defect("frame-nested", what, "taken as they are; transforms are not chained")
-        return Made(self.kind, text, defects=tuple(self.defects), nested=nested)
+    held: what other topics hold. It, defects and comments are complete once the poses are read.
+    """
+    rows, children, frames = [], dict[str, str](), dict[str, str]()  # frame -> the one it is in; topic -> frame
+    for topic, logged_ns, (stamped_ns, parent, child, numbers) in poses:
+        if child:
+            children.setdefault(child, parent)
+        if topic.rpartition("/")[2] == _STATIC:
+            continue
+        name = " ".join(f"{topic} {child}".replace(",", " ").replace('"', " ").split())
+        frames.setdefault(name, parent)
+        rows.append((stamped_ns, logged_ns, ",".join((name, *map(repr, numbers)))))
+    if not rows:
+        others = ", ".join(f"{topic} ({what})" for topic, what in list(held.items())[:8])
+        others = f" that can be read; it holds {others}" if others else ""
+        what, coded = _FILES[kind]
+        types = ", ".join([*_FIELDS, *_LISTS])
+        raise TraceError(f"{path} is {what} without poses{others}: expected {types}, {coded}")
+    if part := part_of(path):
+        defects.append(Defect("part-alone", part, "the others are not read"))
+    stamped = any(stamped_ns for stamped_ns, _, _ in rows)
+    if not stamped:
+        what = "its messages have no time stamps of their own"
+        defects.append(Defect("stamp-missing", what, "the times at which they were logged taken"))
+    lines = (f"{own_ns if stamped else logged_ns},{row}" for own_ns, logged_ns, row in rows)
+    text = "\n".join([*comments, ",".join(COLUMNS), *lines, ""]).encode()
+    nested = {}
+    for name, parent in frames.items():
+        if parent in children:
+            what = f"its poses are in frame '{parent}', which is itself in frame '{children[parent]}'"
+            nested[name] = Defect("frame-nested", what, "taken as they are; transforms are not chained")
+    return Made(kind, text, defects=tuple(defects), nested=nested)
 
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -105,32 +103,51 @@ EXTRA = "mcap"
 METADATA = "hmdwarp"  # name of the record that states the axes and the origin
 
 
-class McapPoses(PoseMessages):
-    """Errors: TraceError for damaged data; MachineError where `mcap` is missing."""
+def table_of_mcap(path: Path, stream: IO[bytes], size: int) -> Made:
+    """Return the poses of an MCAP file. Errors: TraceError, MachineError without `mcap`."""
+    _check_unpacked(path, stream, size)
+    mcap, how = import_extra("mcap.reader", "mcap", EXTRA), {"validate_crcs": True, "record_size_limit": size}
+    modules = (("mcap_ros2.decoder", "mcap-ros2-support"), ("mcap_protobuf.decoder", "mcap-protobuf-support"))
+    factories = [import_extra(*name, EXTRA).DecoderFactory() for name in modules]
+    decoders: dict[int, Callable[[bytes], Iterator[StampedPose]] | None] = {}
+    held: dict[str, str] = {}
+    comments: list[str] = []
+    defects: list[Defect] = []
 
-    kind = "mcap"
-    file = "an MCAP file"
-    wanted = "as JSON, protobuf or ROS 2's CDR"
+    def decoder(schema: Any, channel: Any) -> Callable[[bytes], Iterator[StampedPose]] | None:
+        """Return what reads the poses of a channel's messages, None where they have none."""
+        if channel.id not in decoders:
+            name = "" if schema is None else schema.name.replace("/msg/", "/")
+            coded, decode = channel.message_encoding, None
+            if name in WITH_POSES and coded == "json":
+                decode = lambda data: _by_name(parse_json(data))  # noqa: E731
+            elif name in WITH_POSES:
+                decode = next(filter(None, (f.decoder_for(coded, schema) for f in factories)), None)
+            if decode is None:
+                held[channel.topic] = f"{name or 'no schema'}, {coded}"
+            decoders[channel.id] = decode and (lambda data: poses_in(name, decode(data)))
+        return decoders[channel.id]
 
-    def __init__(self, path: Path, stream: IO[bytes], size: int) -> None:
-        super().__init__(path)
-        self.stream = stream
-        self._check_unpacked(size)
-        self._mcap = import_extra("mcap.reader", "mcap", EXTRA)
-        self._how = {"validate_crcs": True, "record_size_limit": size}
-        modules = (("mcap_ros2.decoder", "mcap-ros2-support"), ("mcap_protobuf.decoder", "mcap-protobuf-support"))
-        self._factories = [import_extra(*name, EXTRA).DecoderFactory() for name in modules]
-        self._decoders: dict[int, Callable[[bytes], Iterator[StampedPose]] | None] = {}
+    reader: Any = None
+    topics = None  # all; of a whole file only the parts with poses are read
+    try:
+        reader = mcap.SeekingReader(stream, **how)
+        if (index := reader.get_summary()) is not None:
+            stated: dict[str, str] = next((m.metadata for m in reader.iter_metadata() if m.name == METADATA), {})
+            comments += [f"# {key}: {' '.join(value.split())}" for key, value in stated.items()]
+            known = [(channel, index.schemas.get(channel.schema_id)) for channel in index.channels.values()]
+            topics = [channel.topic for channel, schema in known if decoder(schema, channel) is not None]
+    except Exception:  # as below: a file that was cut off has no index where it should be
+        topics = None
+    if topics is None:
+        stream.seek(0)
+        reader = mcap.NonSeekingReader(stream, **how)
 
-    def poses(self) -> Iterator[tuple[str, int, StampedPose]]:
-        count, (reader, index) = 0, self._reader()
+    def poses() -> Iterator[tuple[str, int, StampedPose]]:
+        count = 0
         try:
-            topics = None  # all; of a whole file only the parts with poses are read
-            if index is not None:
-                channels = index.channels.values()
-                topics = [c.topic for c in channels if self._decoder(index.schemas.get(c.schema_id), c) is not None]
-            for schema, channel, message in reader.iter_messages(topics, log_time_order=index is not None):
-                decode = self._decoder(schema, channel)
+            for schema, channel, message in reader.iter_messages(topics, log_time_order=topics is not None):
+                decode = decoder(schema, channel)
                 for pose in () if decode is None else decode(message.data):
                     count += 1
                     yield channel.topic, message.log_time, pose
@@ -138,58 +155,33 @@ class McapPoses(PoseMessages):
             raise
         except Exception as error:  # decoders and decompressors raise anything at damaged data
             why = f"{type(error).__name__}: {error}"
-            if index is not None or not count:
-                raise TraceError(f"{self.path}: its MCAP data are damaged ({why}): copy or record it again") from None
+            if topics is not None or not count:
+                raise TraceError(f"{path}: its MCAP data are damaged ({why}): copy or record it again") from None
             what = f"the file ends in the middle, after {count} poses ({why})"
-            self.defects.append(Defect("file-cut", what, "read up to there"))
+            defects.append(Defect("file-cut", what, "read up to there"))
 
-    def _check_unpacked(self, size: int) -> None:
-        """Check what the chunks say that they unpack to. Errors: TraceError."""
-        left, at = most_unpacked(size), len(MAGIC)
-        while at + _RECORD.size <= size:
-            self.stream.seek(at)
-            code, length = _RECORD.unpack(self.stream.read(_RECORD.size))
-            at += _RECORD.size + length
-            if code == _CHUNK:
-                head = self.stream.read(_CHUNK_HEAD)
-                end, stated = 32 + int.from_bytes(head[28:32], "little"), int.from_bytes(head[16:24], "little")
-                if head[32:end] == b"zstd":
-                    zstandard = import_extra("zstandard", "zstandard", EXTRA)
-                    with suppress(zstandard.ZstdError):  # damaged, as its reader will say
-                        stated = max(stated, int(zstandard.frame_content_size(head[end + 8 :])))
-                left -= stated
-            if left < 0:
-                what = f"its chunks are more than {most_unpacked(size)} bytes, unpacked: expected a shorter recording"
-                raise TraceError(f"{self.path}: {what}")
-        self.stream.seek(0)
+    return _table(path, "mcap", poses(), held, defects, comments)
 
-    def _reader(self) -> tuple[Any, Any]:
-        """Return a reader, and the index of a file that was closed as it should be, else None."""
-        try:
-            reader = self._mcap.SeekingReader(self.stream, **self._how)
-            index = reader.get_summary()
-            if index is not None:
-                stated: dict[str, str] = next((m.metadata for m in reader.iter_metadata() if m.name == METADATA), {})
-                self.comments = [f"# {key}: {' '.join(value.split())}" for key, value in stated.items()]
-                return reader, index
-        except Exception:  # as above: a file that was cut off has no index where it should be
-            pass
-        self.stream.seek(0)
-        return self._mcap.NonSeekingReader(self.stream, **self._how), None
 
-    def _decoder(self, schema: Any, channel: Any) -> Callable[[bytes], Iterator[StampedPose]] | None:
-        """Return what reads the poses of a channel's messages, None where they have none."""
-        if channel.id not in self._decoders:
-            name = "" if schema is None else schema.name.replace("/msg/", "/")
-            coded, decode = channel.message_encoding, None
-            if name in WITH_POSES and coded == "json":
-                decode = lambda data: _by_name(parse_json(data))  # noqa: E731
-            elif name in WITH_POSES:
-                decode = next(filter(None, (f.decoder_for(coded, schema) for f in self._factories)), None)
-            if decode is None:
-                self.held[channel.topic] = f"{name or 'no schema'}, {coded}"
-            self._decoders[channel.id] = decode and (lambda data: poses_in(name, decode(data)))
-        return self._decoders[channel.id]
+def _check_unpacked(path: Path, stream: IO[bytes], size: int) -> None:
+    """Check what the chunks say that they unpack to. Errors: TraceError."""
+    left, at = most_unpacked(size), len(MAGIC)
+    while at + _RECORD.size <= size:
+        stream.seek(at)
+        code, length = _RECORD.unpack(stream.read(_RECORD.size))
+        at += _RECORD.size + length
+        if code == _CHUNK:
+            head = stream.read(_CHUNK_HEAD)
+            end, stated = 32 + int.from_bytes(head[28:32], "little"), int.from_bytes(head[16:24], "little")
+            if head[32:end] == b"zstd":
+                zstandard = import_extra("zstandard", "zstandard", EXTRA)
+                with suppress(zstandard.ZstdError):  # damaged, as its reader will say
+                    stated = max(stated, int(zstandard.frame_content_size(head[end + 8 :])))
+            left -= stated
+        if left < 0:
+            what = f"its chunks are more than {most_unpacked(size)} bytes, unpacked: expected a shorter recording"
+            raise TraceError(f"{path}: {what}")
+    stream.seek(0)
 
 
 # Of the MCAP format: opcode and length of a record; a chunk, whose head has two instants, the size
@@ -333,16 +325,13 @@ def stamp_ns(stamp: Any) -> int:
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
 
 
-class BagPoses(PoseMessages):
-    """Errors: as of Bag."""
-
-    kind = "rosbag"
-    file = "a bag"
-    wanted = "of ROS 1 or ROS 2"
-
-    def poses(self) -> Iterator[tuple[str, int, StampedPose]]:
-        bag = Bag(self.path)
-        self.held = {topic: name for topic, name in bag.topics.items() if name not in WITH_POSES}
-        for topic, logged_ns, message in bag.messages(bag.topics.keys() - self.held.keys()):
-            for pose in poses_in(bag.topics[topic], message):
-                yield topic, logged_ns, pose
+def table_of_bag(path: Path) -> Made:
+    """Return the poses of a bag. Errors: as of Bag."""
+    bag = Bag(path)
+    held = {topic: name for topic, name in bag.topics.items() if name not in WITH_POSES}
+    poses = (
+        (topic, logged_ns, pose)
+        for topic, logged_ns, message in bag.messages(bag.topics.keys() - held.keys())
+        for pose in poses_in(bag.topics[topic], message)
+    )
+    return _table(path, "rosbag", poses, held, [])

@@ -8,30 +8,27 @@ from __future__ import annotations
 
 import datetime
 import decimal
-import gzip
 import io
 import itertools
 import math
 import os
 import re
 import tomllib
-import zlib
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, BinaryIO, cast
+from typing import Any, BinaryIO
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError, counted
-from ...options.named_files import LIST, TRACE, most_unpacked, opened
+from ...options.named_files import LIST, TRACE, opened
 from ..assumptions import Defect, Layout
-from ..options import AXIS_ANGLE, VECTOR, TraceOptions
+from ..options import VECTOR, TraceOptions
 from .header import COMMENT_SIGNS, Made, is_number
 from .made_rows import MARK, cells_reader, export_reader, table_of_colmap, table_of_json
-from .pose_messages import MAGIC, BagPoses, McapPoses
+from .pose_messages import MAGIC, table_of_bag, table_of_mcap
 from .pose_messages import MAGICS as BAGS
 
 Array = NDArray[np.float64]
@@ -43,6 +40,12 @@ _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?$")
 _WHOLE = re.compile(r"[-+]?[0-9]+([eE][-+]?[0-9]+)?$")
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
 _ENDINGS = (".csv", ".txt", ".tum", ".mcap", ".bag", ".db3")
+_NO_TEXTS = {
+    b"\xff\xfe": "UTF-16 text: save it as UTF-8 (or plain ASCII)",
+    b"\xfe\xff": "UTF-16 text: save it as UTF-8 (or plain ASCII)",
+    b"PK\x03\x04": "a ZIP archive: unpack it first",
+    b"\x1f\x8b": "packed by gzip: unpack it first, as gunzip does",
+}
 _REPAIR = "; repair or remove that line"
 _MATRIX_OFF = 0.05
 # Angles within one turn are radians if they spread, by half a degree; beyond two turns they are
@@ -51,31 +54,9 @@ _TURN_RAD = 2 * math.pi
 _TURNED_RAD = 0.5
 _LONGEST_LINE = 1024 * 1024
 _TOLD: dict[str, Any] = tomllib.loads(Path(__file__).with_name("cleaning.toml").read_text("utf-8"))
-CAVEATS: dict[str, dict[str, str]] = _TOLD.pop("caveats")
+_STAMPS = ("whole", "billionths", "decimals")
 _WORDS = {"nan", "inf", "infinity", "null", "none"}
 _FARTHEST = 1e9  # in the file's units: a position or component beyond this is no head's
-
-
-class _Unpacked(gzip.GzipFile):
-    """What gzip packed. Errors: TraceError for damaged data, or more than is allowed to unpack."""
-
-    def __init__(self, path: Path, file: BinaryIO) -> None:
-        super().__init__(fileobj=file)
-        self._path, self._file = path, file
-        self._most = min(TRACE.most_bytes, most_unpacked(os.fstat(file.fileno()).st_size))
-
-    def read(self, size: int | None = -1) -> bytes:
-        try:
-            data = super().read(size)
-        except (EOFError, gzip.BadGzipFile, zlib.error) as error:
-            raise TraceError(f"{self._path}: its gzip data are damaged ({error}): pack or copy it again") from None
-        if self.tell() > self._most:
-            raise TraceError(f"{self._path}: more than {self._most} bytes, unpacked: expected a shorter recording")
-        return data
-
-    def close(self) -> None:
-        super().close()
-        self._file.close()
 
 
 @attrs.frozen
@@ -83,7 +64,6 @@ class Head:
     """The findings from the first part of a trace file."""
 
     path: Path
-    packed: bool  # by gzip
     made: Made | None  # the rows that were made of what is no rows
     separator: str | None  # "," ";" "\t" or None for blanks
     names: list[str] | None  # the header's; a comment counts if it names as many columns as the rows have
@@ -115,6 +95,10 @@ class Head:
     def column(self, name: str) -> int | None:
         return self.names.index(name) if self.names and name in self.names else None
 
+    def name_of(self, column: int) -> str:
+        """Return its name in the header, or its number."""
+        return self.names[column] if self.names and column < len(self.names) else f"column {column + 1}"
+
     def describe(self) -> str:
         how = {None: "blank", ",": "comma", ";": "semicolon", "\t": "tab"}[self.separator]
         named = f"the columns {', '.join(self.names)}" if self.names else "no header"
@@ -127,7 +111,23 @@ def split(text: str, separator: str | None) -> list[str]:
 
 def read_head(path: Path) -> Head:
     """Inspect the file. Errors: TraceError for anything but a text of rows."""
-    packed, made, raw, more = _first_bytes(path)
+    try:
+        if path.is_dir():
+            found = sorted(p.name for p in path.iterdir() if p.suffix in _ENDINGS)
+            inside = f", for instance {found[0]} in it" if found else ""
+            raise TraceError(f"{path} is a directory: expected a file of head poses{inside}")
+        with opened(path, TRACE) as file:
+            start = file.read(LOOK_BYTES)
+            if what := next((what for sign, what in _NO_TEXTS.items() if start.startswith(sign)), ""):
+                raise TraceError(f"{path} is {what}")
+            file.seek(0)
+            made = _made(path, start, file)
+        with _text_of(path, made) as file:
+            raw, more = file.read(LOOK_BYTES), bool(file.read(1))
+    except (OSError, ValueError) as error:
+        raise TraceError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if not raw.strip():
+        raise TraceError(f"{path} is empty: expected rows of time, position and orientation")
     # Zeros at the very end are a file cut off by a crash; the rows before them may be good.
     found_sign = _CONTROL.search(raw.rstrip(b"\x00"))
     if found_sign or not raw.rstrip(b"\x00"):
@@ -156,61 +156,27 @@ def read_head(path: Path) -> Head:
         fits = (f for f in said if len(f) == len(rows[0]) > 1 and not any(map(is_number, f)))
         names = next(fits, [])
     names = names[:-1] if len(names) > 1 and names[-1] == "" else names
-    known = names or None
-    return Head(path, packed, made, separator, known, header or "", line, begins, rows, comments, comma, newline)
+    return Head(path, made, separator, names or None, header or "", line, begins, rows, comments, comma, newline)
 
 
-def _first_bytes(path: Path) -> tuple[bool, Made | None, bytes, bool]:
-    """Return whether gzip packed it, the table made of it, its first bytes, and if more follow."""
-    try:
-        if path.is_dir():
-            found = sorted(p.name for p in path.iterdir() if p.suffix in _ENDINGS)
-            inside = f", for instance {found[0]} in it" if found else ""
-            raise TraceError(f"{path} is a directory: expected a file of head poses{inside}")
-        with opened(path, TRACE) as file:
-            packed = file.read(2) == b"\x1f\x8b"
-        with _text_of(path, packed, None) as file:  # gzip is unpacked as it is read, what is no text of rows at once
-            start = file.read(LOOK_BYTES)
-            file.seek(0)
-            made = _made(path, start, file, packed)
-        with _text_of(path, packed, made) as file:
-            raw, more = file.read(LOOK_BYTES), bool(file.read(1))
-    except (OSError, ValueError) as error:
-        raise TraceError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
-    if not raw.strip():
-        raise TraceError(f"{path} is empty: expected rows of time, position and orientation")
-    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        raise TraceError(f"{path} is UTF-16 text: save it as UTF-8 (or plain ASCII)")
-    if raw[:4] == b"PK\x03\x04":
-        raise TraceError(f"{path} is a ZIP archive: unpack it first")
-    return packed, made, raw, more
-
-
-def _text_of(path: Path, packed: bool, made: Made | None) -> BinaryIO:
+def _text_of(path: Path, made: Made | None) -> BinaryIO:
     """Open the text of the rows. Errors: OSError."""
-    if made is not None:
-        return io.BytesIO(made.text)
-    file = opened(path, TRACE)
-    return cast("BinaryIO", _Unpacked(path, file)) if packed else file
+    return opened(path, TRACE) if made is None else io.BytesIO(made.text)
 
 
-def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None:
+def _made(path: Path, start: bytes, file: BinaryIO) -> Made | None:
     """Return the table that a file's rows are made into, None where they are rows as they are."""
 
     def whole() -> bytes:
         data = file.read(LIST.most_bytes + 1)
         if len(data) > LIST.most_bytes:
-            what = f"more than {LIST.most_bytes} bytes, unpacked: expected fewer in a file of its kind"
-            raise TraceError(f"{path}: {what}")
+            raise TraceError(f"{path}: more than {LIST.most_bytes} bytes: expected fewer in a file of its kind")
         return data
 
     if start.startswith(MAGIC):
-        stream = io.BytesIO(whole()) if packed else file
-        size = stream.seek(0, os.SEEK_END)
-        stream.seek(0)
-        return McapPoses(path, stream, size).table()
+        return table_of_mcap(path, file, os.fstat(file.fileno()).st_size)
     if start.startswith(BAGS):
-        return BagPoses(path).table()
+        return table_of_bag(path)
     if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
         return table_of_json(path, whole())
     if MARK in start[:200]:
@@ -322,18 +288,21 @@ class Recording:
                 self.keep(kept)
 
 
+# Of a chunk: its numbers, a column each of those that are read, lines, devices and times.
+_Piece = tuple[Array, NDArray[np.int32], Any, Any]
+
+
 class RowReader:
     """Reads the rows of one file."""
 
     def __init__(self, head: Head, layout: Layout, options: TraceOptions) -> None:
         self.head, self.layout, self.options = head, layout, options
         self.defects: list[Defect] = [*(() if head.made is None else head.made.defects), *layout.caveats]
-        self._is_cut = self._is_clock = False
+        self._is_cut = False
         self._repeated_headers: list[int] = []
         self._bad_rows = 0
         self._first_bad: tuple[int, str] | None = None
         self._columns = [*layout.orientation, *(layout.position or ()), *layout.gaze]
-        self._parts: dict[str, list[NDArray[Any]]] = defaultdict(list)  # of each column, a piece for each chunk
         self._width = head.width
 
     def read(self) -> Recording:
@@ -341,16 +310,14 @@ class RowReader:
         names, head = self.head.names, self.head
         ended = all(r[-1] == "" for r in head.rows if len(r) == self._width)  # each row ends with a separator
         if names and self._width != len(names) and not (self._width == len(names) + 1 and ended):
-            where = f"{head.path}: line {head.first_line}"
+            what = self._wrong_width(self._width, len(names))
             if len(head.rows) == 1 and self._width < len(names):
-                ends = f"ends after {self._width} of {len(names)} fields"
-                raise TraceError(f"{where}: the only row {ends}; it was cut off")
-            raise TraceError(f"{where}: {self._wrong_width(self._width, len(names))}")
-        count = 0
-        for text, line, lines, is_last in self._chunks():
-            if not self._read_fast(text, line, lines):
-                self._read_slowly(text, line, is_last)
-            count = sum(map(len, self._parts["line"]))
+                what = f"the only row ends after {self._width} of {len(names)} fields; it was cut off"
+            raise TraceError(f"{head.path}: line {head.first_line}: {what}")
+        count, pieces = 0, list[_Piece]()
+        for text, first, lines, is_last in self._chunks():
+            pieces.append(self._read_fast(text, first, lines) or self._read_slowly(text, first, is_last))
+            count += len(pieces[-1][0])
             if count > MOST_ROWS:
                 raise TraceError(f"{head.path}: more than {MOST_ROWS:,} rows; expected fewer: cut it")
         if again := self._repeated_headers:
@@ -366,125 +333,84 @@ class RowReader:
         if not count:
             cut = f" ({self.defects[0]})" if self.defects else ""
             raise TraceError(f"{head.path} holds no usable row{cut}")
-        columns: dict[str, Any] = {}
-        for name, pieces in self._parts.items():
-            columns[name] = np.concatenate(pieces)
-            pieces.clear()  # at once: the peak is the result and one column
-        stamps = (columns.pop(name, np.zeros(0, np.int64)) for name in ("whole", "billionths", "decimals"))
-        whole, parts, decimals = stamps
-        if self.layout.rest is not None and parts.max(initial=0) >= BILLION:  # a clock of its own
+        layout, turns = self.layout, len(self.layout.orientation)
+        values, numbers = np.concatenate([piece[0] for piece in pieces]), np.concatenate([piece[1] for piece in pieces])
+        device = None if layout.device is None else np.concatenate([piece[2] for piece in pieces])
+        stamps = [piece[3] for piece in pieces]
+        pieces.clear()  # before the columns are copied
+        whole, parts, decimals = (np.concatenate([getattr(one, part) for one in stamps]) for part in _STAMPS)
+        if layout.rest is not None and parts.max(initial=0) >= BILLION:  # a clock of its own
             whole, parts = np.divmod(parts, BILLION)
-        columns["orientation"] = self._quaternions(columns["orientation"])
-        clock = Stamps(whole, parts, self._is_clock, decimals)
-        return Recording(head, self.layout, self.options, self._is_cut, self.defects, clock, **columns)
+        return Recording(
+            head, layout, self.options, self._is_cut, self.defects,
+            Stamps(whole, parts, any(one.clock for one in stamps), decimals), numbers,
+            orientation=self._quaternions(values[:, :turns].copy()),
+            position=None if layout.position is None else values[:, turns : turns + 3].copy(),
+            gaze=values[:, -len(layout.gaze) :].copy() if layout.gaze else None, device=device,
+        )  # fmt: skip
 
     def _wrong_width(self, found: int, wanted: int) -> str:
         what = f"{found} fields where {'the header names' if self.head.names else 'the first row has'} {wanted}"
         if self.head.separator == "," and found > wanted:
-            return (
-                f"{what}: it looks like decimal commas inside a comma-separated file, which cannot be told apart; "
-                "write decimal points, or separate the fields with ';'"
-            )
+            what += ": it looks like decimal commas inside a comma-separated file, which cannot be told apart"
+            return f"{what}; write decimal points, or separate the fields with ';'"
         return f"{what}{_REPAIR}"
 
     def _chunks(self) -> Iterator[tuple[bytes, int, int, bool]]:
         """Yield pieces of whole lines: text, its first line, how many, whether it is the last."""
-        line, rest, newline = self.head.first_line, b"", self.head.newline
-        with _text_of(self.head.path, self.head.packed, self.head.made) as file:
+        line, rest = self.head.first_line, b""
+        with _text_of(self.head.path, self.head.made) as file:
             file.seek(self.head.first_byte)
             following = file.read(CHUNK_BYTES)
             while following:
                 block, following = following, file.read(CHUNK_BYTES)
-                text = rest + block
-                cut = text.rfind(newline) + 1
+                text = rest + (block.replace(b"\r", b"\n") if self.head.newline == b"\r" else block)
+                cut = text.rfind(b"\n") + 1
                 if not cut and len(text) > _LONGEST_LINE:
                     what = f"line {line} is longer than {_LONGEST_LINE // 1024} KiB"
                     raise TraceError(f"{self.head.path}: {what}: this is no row of numbers")
                 rest = text[cut:]
                 if cut:
-                    count = text.count(newline, 0, cut)
+                    count = text.count(b"\n", 0, cut)
                     yield text[:cut], line, count, not rest and not following
                     line += count
         if rest.strip():
             self._is_cut = True
             yield rest, line, 1, True
 
-    def _add(
-        self, line: NDArray[np.int32], values: Array, stamps: Stamps | None, device: NDArray[np.bytes_] | None
-    ) -> None:
-        """Add a chunk's rows, column by column."""
-        turns = len(self.layout.orientation)
-        found: dict[str, NDArray[Any] | None] = {"line": line, "orientation": values[:, :turns].copy()}
-        found["position"] = None if self.layout.position is None else values[:, turns : turns + 3].copy()
-        found["gaze"] = values[:, -len(self.layout.gaze) :].copy() if self.layout.gaze else None
-        found["device"] = device
-        if stamps is not None:
-            found |= {"whole": stamps.whole, "billionths": stamps.billionths, "decimals": stamps.decimals}
-            self._is_clock |= stamps.clock
-        for name, column in found.items():
-            if column is not None:
-                self._parts[name].append(column)
-
-    def _read_fast(self, text: bytes, line: int, count: int) -> bool:
-        """Parse the whole chunk by numpy's C parser; return False for anything unusual."""
-        layout = self.layout
-        text = text.replace(b"\r", b"\n") if self.head.newline == b"\r" else text
+    def _read_fast(self, text: bytes, line: int, count: int) -> _Piece | None:
+        """Parse the whole chunk by numpy's C parser; return None for anything unusual."""
+        layout, texts = self.layout, {}
+        if layout.rest is not None or b'"' in text:
+            return None
+        # A field for every column, of one byte where it is not read: other rows are refused.
+        kinds: dict[int, Any] = dict.fromkeys(range(self._width), "S1") | dict.fromkeys(self._columns, np.float64)
+        kinds |= {column: f"S{WIDTH}" for column in (layout.time, layout.device) if column is not None}
         text = text.replace(b",", b".") if self.head.decimal_comma else text
-        mark = None if self.head.separator is None else self.head.separator.encode()
-        for blank in (b" ", b"\t"):
-            if mark is not None and mark != blank and blank in text:
-                text = text.replace(mark + blank, mark)
-        if not self._regular(text, count):
-            return False
-        texts = {"t": layout.time, "d": layout.device, "r": layout.rest}
-        named = {name: column for name, column in texts.items() if column is not None}
-        kinds: list[tuple[Any, ...]] = [("v", np.float64, (len(self._columns),)), *((k, f"S{WIDTH}") for k in named)]
-        how: dict[str, Any] = {"comments": None, "ndmin": 1, "encoding": "latin-1"}
-        how |= {"delimiter": self.head.separator, "usecols": [*self._columns, *named.values()]}
+        how: dict[str, Any] = {"comments": None, "ndmin": 1, "encoding": "latin-1", "delimiter": self.head.separator}
         try:
-            table = np.loadtxt(io.BytesIO(text), kinds, **how)
-            values, device = table["v"], None if layout.device is None else np.ascontiguousarray(table["d"])
+            table = np.loadtxt(io.BytesIO(text), [(f"c{column}", kind) for column, kind in kinds.items()], **how)
+            values = np.column_stack([table[f"c{column}"].astype(np.float64) for column in self._columns])
             # min and max are NaN if anything is
             if len(table) != count or not -_FARTHEST < values.min() <= values.max() < _FARTHEST:
-                return False
-            if device is not None and device.view(np.uint8).reshape(count, -1)[:, -1].any():
-                return False  # a name longer than its field would pass for another
-            stamps = None
-            if layout.time is not None:
-                is_date = layout.rest_unit == "date"
-                clock = np.strings.add(np.strings.add(table["r"], b" "), table["t"]) if is_date else table["t"]
-                stamps = parse_fields(clock)
-                if layout.rest is not None and not is_date:
-                    stamps.billionths += parse_fields(table["r"]).whole * UNITS_NS[layout.rest_unit]
-                    stamps.decimals = np.full(count, 10, np.int8)
+                return None
+            for column in {layout.time, layout.device} - {None}:
+                field = np.ascontiguousarray(table[f"c{column}"])
+                if field.view(np.uint8).reshape(count, -1)[:, -1].any():
+                    return None  # longer than what is kept of it
+                texts[column] = np.strings.strip(field)
+            stamps: Stamps | None = stamps_of([])
+            if layout.time is not None and (stamps := _parse_plain(texts[layout.time])) is None:
+                stamps = stamps_of([parse_one(one.decode("latin-1")) for one in texts[layout.time].tolist()])
         except (ValueError, OverflowError):
-            return False
-        self._add(np.arange(line, line + count, dtype=np.int32), values, stamps, device)
-        return True
+            return None
+        return values, np.arange(line, line + count, dtype=np.int32), texts.get(layout.device), stamps
 
-    def _regular(self, text: bytes, count: int) -> bool:
-        """Return whether all lines have as many fields: loadtxt with usecols ignores more."""
-        if not text.strip():
-            return False
-        mark = self.head.separator or " "
-        flat = np.frombuffer(text, np.uint8)
-        at = np.flatnonzero(flat == ord(mark))
-        per_line = self._width - 1
-        if len(at) != count * per_line or b'"' in text:
-            if self.head.separator is not None:
-                return False
-            # Aligned with several blanks: count the fields of each line.
-            return b"\n\n" not in text and all(len(line.split()) == self._width for line in text.splitlines())
-        ends = np.append(np.flatnonzero(flat == ord("\n")), len(flat))[:count]
-        marks = at.reshape(count, per_line)
-        return per_line == 0 or bool((marks[:, -1] < ends).all() and (marks[1:, 0] > ends[:-1]).all())
-
-    def _read_slowly(self, chunk: bytes, line: int, is_last: bool) -> None:
+    def _read_slowly(self, chunk: bytes, line: int, is_last: bool) -> _Piece:
         """Parse line by line, skip what is no row, drop a cut last line, count other bad ones."""
-        text = (chunk.replace(b"\r", b"\n") if self.head.newline == b"\r" else chunk).decode("utf-8", "replace")
-        found = [(number, t.strip()) for number, t in enumerate(text.split("\n"), line) if t.strip(" \t\r\x00")]
-        rows: list[tuple[list[float], tuple[int, int, bool, int], bytes]] = []
-        lines: list[int] = []
+        lines = enumerate(chunk.decode("utf-8", "replace").split("\n"), line)
+        found = [(number, t.strip()) for number, t in lines if t.strip(" \t\r\x00")]
+        rows: list[tuple[int, list[float], tuple[int, int, bool, int], bytes]] = []
         for number, bare in found:
             if bare.startswith(COMMENT_SIGNS):
                 continue
@@ -492,8 +418,7 @@ class RowReader:
                 self._repeated_headers.append(number)
                 continue
             try:
-                rows.append(self._parse_line(bare))
-                lines.append(number)
+                rows.append((number, *self._parse_line(bare)))
             except ValueError as error:
                 # NaN and words are faults, not truncation.
                 words = {f.lower().lstrip("+-") for field in split(bare, None) for f in field.split(",")}
@@ -503,10 +428,10 @@ class RowReader:
                 else:
                     self._bad_rows += 1
                     self._first_bad = self._first_bad or (number, str(error))
-        values = np.array([row[0] for row in rows], dtype=np.float64).reshape(len(lines), len(self._columns))
-        stamps = None if self.layout.time is None else stamps_of([row[1] for row in rows])
-        device = None if self.layout.device is None else np.array([row[2] for row in rows], dtype=np.bytes_)
-        self._add(np.array(lines, dtype=np.int32), values, stamps, device)
+        values = np.array([row[1] for row in rows], np.float64).reshape(len(rows), len(self._columns))
+        stamps = stamps_of([row[2] for row in rows if self.layout.time is not None])
+        devices = np.array([row[3] for row in rows], np.bytes_)
+        return values, np.array([row[0] for row in rows], np.int32), devices, stamps
 
     def _parse_line(self, text: str) -> tuple[list[float], tuple[int, int, bool, int], bytes]:
         layout, fields = self.layout, split(text, self.head.separator)
@@ -521,7 +446,7 @@ class RowReader:
                 value = float(field.replace(",", "."))
             if not abs(value) < _FARTHEST:
                 shown = f"'{field[:40]}'" if field else "empty"
-                raise ValueError(f"{self._name(column)} is {shown}: expected a finite number{_REPAIR}")
+                raise ValueError(f"{self.head.name_of(column)} is {shown}: expected a finite number{_REPAIR}")
             row.append(value)
         time = (0, 0, False, 0)
         if layout.time is not None:
@@ -533,12 +458,8 @@ class RowReader:
                 if rest and not dated:
                     time = (time[0], time[1] + parse_one(rest)[0] * UNITS_NS[layout.rest_unit], time[2], 10)
             except ValueError as error:
-                raise ValueError(f"{self._name(layout.time)}: {error}{_REPAIR}") from None
+                raise ValueError(f"{self.head.name_of(layout.time)}: {error}{_REPAIR}") from None
         return row, time, b"" if layout.device is None else fields[layout.device].encode("utf-8", "replace")
-
-    def _name(self, column: int) -> str:
-        names = self.head.names or []
-        return names[column] if column < len(names) else f"column {column + 1}"
 
     def _quaternions(self, numbers: Array) -> Array:
         """Return (n, 4) quaternions xyzw; zeros for a matrix without a turn. Errors: TraceError."""
@@ -555,10 +476,7 @@ class RowReader:
                 other = attrs.evolve(euler, degrees=not euler.degrees).words()
                 remedy = f"kept; --euler {other} takes the other unit"
                 self.defects.append(Defect("angles-implausible", what, remedy))
-            if euler.order == AXIS_ANGLE:
-                length = np.linalg.norm(numbers[:, :3], axis=1, keepdims=True)
-                numbers = numbers[:, 3:] * numbers[:, :3] / np.where(length > 0, length, 1)
-            if euler.order in (VECTOR, AXIS_ANGLE):
+            if euler.order == VECTOR:
                 return np.asarray(Rotation.from_rotvec(numbers, degrees=euler.degrees).as_quat())
             return np.asarray(Rotation.from_euler(euler.order, numbers * euler.signs, degrees=euler.degrees).as_quat())
         matrices = numbers.reshape(-1, 3, 3)
@@ -612,15 +530,6 @@ class Stamps:
     def steps(self) -> NDArray[np.float64]:
         """(n - 1,) differences in the file's unit; exact wherever they are small."""
         return np.diff(self.whole) + np.diff(self.billionths) * 1e-9
-
-
-def parse_fields(fields: NDArray[np.bytes_]) -> Stamps:
-    """Parse plain decimal stamps at once, others one by one. Errors: ValueError, also if cut."""
-    fields = np.ascontiguousarray(fields)
-    if fields.view(np.uint8).reshape(len(fields), -1)[:, -1].any():
-        raise ValueError("a longer field than is kept")
-    fast = _parse_plain(fields)
-    return fast if fast is not None else stamps_of([parse_one(field.decode("latin-1")) for field in fields.tolist()])
 
 
 def stamps_of(parsed: list[tuple[int, int, bool, int]]) -> Stamps:

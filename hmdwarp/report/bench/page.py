@@ -7,26 +7,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import attrs
-import numpy as np
 
 from ...metrics import PRIMARY, REGIONS, error_and_time, metrics, metrics_in_order
 from .. import charts, page
-from ..charts import Drawn, Look, Spot, Style, canvas
+from ..charts import Drawn, Look, Spot
 from ..page import texts
 from ..run_texts import Table, axes_of_traces, counted, listed
 from . import rows as bench_rows
 from .crops import Crops, crops_chart
-from .rows import COLUMNS, Case, Column, Row, at, choice_text, common, measure_label, row_name, table_of
-
-_LINE_IN = 0.21
-_WIDTH_IN = 9.6
-_REGION_MARKERS = ("s", "D", "^", "o")
-_HEIGHT_IN = 4.2
-_PLOT_IN, _CHAR_IN = 7.7, 0.078  # right end of the axes; width of a letter in the list of warps
-_ABOVE: Style = {"xycoords": "axes fraction", "textcoords": "offset points"}
-_KEY: Style = {
-    "borderaxespad": 0.1, "handletextpad": 0.3, "columnspacing": 1.2, "borderpad": 0.2, "handlelength": 1.5,
-}  # fmt: skip
+from .rows import COLUMNS, Case, Column, Row, at, common, measure_label, row_name, table_of
 
 
 def looks_of(rows: Iterable[Row]) -> dict[str, Look]:
@@ -34,55 +23,27 @@ def looks_of(rows: Iterable[Row]) -> dict[str, Look]:
     return {warp: Look.of(number) for number, warp in enumerate(dict.fromkeys(row["warp"] for row in rows))}
 
 
-def pareto_chart(
-    case: Case, measure: str = PRIMARY, *, looks: Mapping[str, Look] | None = None, width_in: float | None = None
-) -> Drawn:
+def pareto_chart(case: Case, measure: str = PRIMARY, *, looks: Mapping[str, Look] | None = None) -> Drawn:
     """Draw one case as an <svg> element: mean error against median total time per eye.
 
     Colour and shape of a point say which warp it is. The best of each warp and the front have a
     number, which the legend explains. Rows without a measurement are left out. looks: of the warps,
-    where several charts share them. width_in: of a column of a paper, None for a page.
+    where several charts share them.
     """
     looks, front = looks or looks_of(case.ordered(measure)), set(map(id, case.front(measure)))
     rows = [row for row in case.ordered(measure) if None not in error_and_time(row, measure)]
     firsts = {row["warp"]: id(row) for row in reversed(rows)}
-    spots: list[Spot] = []
-    names: list[Any] = []
+    spots, names = list[Spot](), dict[int, str]()
     for row in rows:
-        entry, is_named = row["quality"][measure], id(row) in front or firsts[row["warp"]] == id(row)
+        entry, number = row["quality"][measure], None
+        if id(row) in front or firsts[row["warp"]] == id(row):
+            number = len(names) + 1
+            names[number] = row_name(row) + (f" ({row['baseline']})" if row.get("baseline") else "")
         error = (entry["mean"], *(entry.get("interval") or [entry["mean"]] * 2))
-        number = len(names) + 1 if is_named else None
         spots.append(Spot(_total_ms(row), error, looks[row["warp"]], id(row) in front, number))
-        names += [spots[-1].mark(_legend_name(row))] * is_named
-    longest = max((len(name.get_label()) for name in names), default=0)
-    place: Style = {"loc": "upper left", "ncols": 1}
-    if width_in is None:
-        size = (_PLOT_IN + 0.4 + _CHAR_IN * longest, max(_HEIGHT_IN, 0.19 * len(names) + 0.2))
-        box, place["bbox_to_anchor"] = (0.62, 0.5, _PLOT_IN, size[1] - 0.36), ((_PLOT_IN + 0.1) / size[0], 1)
-    else:
-        place["ncols"] = max(1, int(width_in / (0.3 + 0.062 * longest)))
-        foot = 0.15 * -(-len(names) // place["ncols"]) + 0.1
-        size, place["bbox_to_anchor"] = (width_in, foot + 2.8), (0, foot / (foot + 2.8))
-        box = (0.5, foot + 0.4, width_in - 0.08, foot + 2.5)
-    with canvas(
-        (case.label, measure, width_in, [(_legend_name(row), *error_and_time(row, measure)) for row in case.rows]),
-        size, box=box, font_size=9 if width_in is None else 7,
-    ) as axes:  # fmt: skip
-        axes.set(xlabel="time per eye, all stages, in ms", ylabel=measure_label(measure))
-        higher = metrics.get(measure).higher_is_better
-        charts.draw_spots(axes, spots, higher=higher)
-        if spots:
-            axes.annotate("better ↖" if higher else "better ↙", (1, 1), (0, 4), **_ABOVE, ha="right", color=charts.INK)
-        key = charts.mark("Pareto front (filled, bold)", linewidth=1.1, alpha=0.55)
-        charts.legend(axes, [key], loc="lower left", bbox_to_anchor=(0, 1), **_KEY)
-        charts.legend(axes.figure, names, **place, **_KEY)
-        drawn = charts.svg_text(axes.figure)
-    drawn.at_width = lambda wide: pareto_chart(case, measure, looks=looks, width_in=wide)
-    return drawn
-
-
-def _legend_name(row: Row) -> str:
-    return row_name(row) + (f" ({row['baseline']})" if row.get("baseline") else "")
+    content = (case.label, measure, [(row_name(row), *error_and_time(row, measure)) for row in case.rows])
+    higher, time = metrics.get(measure).higher_is_better, "time per eye, all stages, in ms"
+    return charts.spots_chart(content, spots, names, x=time, y=measure_label(measure), higher=higher)
 
 
 def pareto_text(case: Case, measure: str = PRIMARY) -> str:
@@ -97,70 +58,6 @@ def _total_ms(row: Row) -> float:
     return float(row["time_ms"]["total"]["median"])
 
 
-def region_parts(row: Row) -> list[tuple[float, float | None]] | None:
-    """Return what each region adds to FLIP (share x FLIP there), and FLIP there; or None."""
-    regions = row.get("regions") or {}
-    if not all(name in regions for name in REGIONS):
-        return None
-    entries = [regions[name] for name in REGIONS]
-    if all(entry.get("share") is None for entry in entries):
-        return None
-    return [((entry.get("share") or 0.0) * (entry.get("flip") or 0.0), entry.get("flip")) for entry in entries]
-
-
-def regions_chart(case: Case, width_in: float | None = None) -> Drawn:
-    """Draw what each region adds to FLIP, and FLIP within it, the best row on top."""
-    measured = [(row, parts) for row in case.ordered() if (parts := region_parts(row))]
-    with_fill = len({row["fill"] for row in case.rows}) > 1
-    names = [row_name(row, with_fill) for row, _ in measured]
-    size_in = (width_in or _WIDTH_IN, 0.85 + _LINE_IN * max(len(measured), 2))
-    with charts.drawing((case.label, names, width_in, [parts for _, parts in measured]), 9 if width_in is None else 7):
-        figure = charts.empty_figure(*size_in, layout="constrained")
-        left, right = figure.subplots(1, 2, sharey=True, width_ratios=(3, 2))
-        for axes, label in ((left, "what each region adds to FLIP"), (right, "FLIP within each region")):
-            charts.dress(axes, grid="x")
-            axes.set_xlabel(label)
-        if not measured:
-            charts.not_measured(left)
-            return charts.svg_text(figure)
-        values = np.array([[added for added, _ in parts] for _, parts in measured])
-        starts = np.cumsum(values, axis=1) - values
-        for number in range(len(REGIONS)):
-            left.barh(
-                range(len(values)), values[:, number], left=starts[:, number], height=0.66,
-                color=charts.REGION_COLOURS[number], hatch=charts.HATCHES[number], edgecolor=charts.INK, linewidth=0.5,
-            )  # fmt: skip
-        flips = np.array([[flip for _, flip in parts] for _, parts in measured], np.float64)  # NaN where there is none
-        ends = np.fmin.reduce(flips, axis=1), np.fmax.reduce(flips, axis=1)
-        right.hlines(range(len(flips)), *ends, color=charts.GRID, linewidth=2, zorder=1)
-        for number, marker in enumerate(_REGION_MARKERS):
-            right.plot(
-                flips[:, number], range(len(flips)), marker=marker, markersize=6, **_dot(charts.REGION_COLOURS[number])
-            )
-        charts.name_rows(left, names)
-        for axes in (left, right):
-            axes.set_xlim(left=0)
-        from matplotlib.legend_handler import HandlerTuple
-        from matplotlib.patches import Patch
-
-        handles = []
-        for colour, hatch, marker in zip(charts.REGION_COLOURS, charts.HATCHES, _REGION_MARKERS, strict=True):
-            patch = Patch(facecolor=colour, edgecolor=charts.INK, hatch=hatch, linewidth=0.5)
-            handles.append((patch, charts.mark(marker=marker, **_dot(colour))))
-        labels = [name.replace("_", " ") for name in REGIONS]
-        charts.legend(
-            figure, handles, labels=labels, handler_map={tuple: HandlerTuple(ndivide=None, pad=0.6)}, handlelength=3.2,
-            loc="outside upper left", ncols=len(REGIONS) if width_in is None else 2,
-        )  # fmt: skip
-        drawn = charts.svg_text(figure)
-    drawn.at_width = lambda wide: regions_chart(case, wide)
-    return drawn
-
-
-def _dot(colour: str) -> Style:
-    return {"color": colour, "markeredgecolor": charts.INK, "markeredgewidth": 0.7, "linestyle": "none"}
-
-
 MEASURES = ("flip", "psnr_db")
 
 
@@ -172,7 +69,6 @@ def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -
     methods = counted(warps, "warp") + (f" × {counted(fills, 'fill')}" if fills > 1 else "")
     title = methods, f"in {counted(len(groups), 'case')}"
     clock_note = (data.get("clocks") or {}).get("note")
-    choice = data.get("choice")
     rated = [("JOD", texts("bench")["notes"]["jod"])] if any("jod" in row for row in rows) else []
     explained = [(m.label, m.explanation) for m in metrics_in_order() if m.explanation and m.bench_rank is not None]
     rows_of: dict[str, list[str]] = {str(note): [] for note in data.get("notes") or ()}
@@ -202,16 +98,6 @@ def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -
         facts=[page.fact(label, text) for label, text in facts if text],
         command=data.get("command") or "",
         sections=(
-            choice
-            and page.Section(
-                f"The most accurate within {choice['budget_ms']:g} ms per eye on this machine",
-                [
-                    page.Text(row_name(choice), "name"),
-                    *(page.Text(text, "") for text in choice_text(choice)),
-                ],
-                style="answer",
-            ),
-            page.Section("", _tiles(data, rows), style="tiles", label="What was run"),
             page.Section("", [clock_note and page.Text(clock_note)], style="after"),
             page.notes_section([f"{note} ({names})" if names else note for note, names in where.items()]),
             suite_section(data.get("suite")),
@@ -221,7 +107,10 @@ def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -
             _regions(groups),
             page.reading_section("bench", *explained, *rated),
         ),
-        made_with=page.machine_pairs(data.get("hmdwarp") or "–", data.get("machine") or {}, data.get("clock")),
+        made_with=[
+            *page.machine_pairs(data.get("hmdwarp") or "–", data.get("machine") or {}, data.get("clock")),
+            *([("Run in", page.minutes(data["seconds"]))] if data.get("seconds") else []),
+        ],
     )
 
 
@@ -273,23 +162,10 @@ def _unique(rows: Iterable[Row], key: str) -> list[Any]:
     return list(dict.fromkeys(row[key] for row in rows))
 
 
-def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[page.Tile]:
-    clocks = data.get("clocks") or {}
-    gpu, wall = clocks.get("gpu_ms"), clocks.get("wall_ms")
-    both = " / ".join("–" if value is None else f"{value:.3g}" for value in (gpu, wall))
-    seconds, clock = data.get("seconds"), data.get("clock", "")
-    ran = f"run in {page.minutes(seconds)}" if seconds else "warp, fill, recording, latency"
-    return [
-        page.Tile("Combinations", "", str(len(rows)), ran),
-        page.Tile("Clock", "", {"gpu": "GPU", "wall": "wall"}.get(clock, "?"), page.CLOCK_NAMES.get(clock, "")),
-        page.Tile("GPU timer check", "ms", both, "GPU timer / wall clock; where they agree, the timer is real"),
-    ]
-
-
 def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> page.Section:
     note = texts("bench")["notes"]["table"].format(sure=bench_rows.marked_how(rows, mark="★"))
     winners = [bench_rows.verdict_text(group.verdict()) for group in groups if group.rows]
-    columns = [COLUMNS[name] for name in bench_rows.decision(rows)]
+    columns = bench_rows.decision(rows)
     folds: list[page.Fold] = []
     for group in groups:
         table = table_of(f"{group.label}, least FLIP first", columns, group.ordered(), case=group, has_marks=True)
@@ -318,11 +194,8 @@ def _regions(groups: Sequence[Case]) -> page.Section:
     names = [f"{region}_{figure}" for region in REGIONS for figure in ("share", "flip", "psnr_db")]
     columns = [COLUMNS[name] for name in ("warp", "fill", *names)]
     for group in groups:
-        if measured := [*filter(region_parts, group.ordered())]:
+        if measured := [row for row in group.ordered() if COLUMNS["seen_share"].value(row) is not None]:
             table = table_of(f"Error by region, {group.label}", columns, measured)
-            words = f"Error by region, {group.label}: what each adds to FLIP, and FLIP within it"
-            blocks = [page.Chart.of("", regions_chart(group), words), page.Fold("As a table", [table])]
-            folds.append(page.Fold(group.label, blocks, is_open=not folds))
-    notes = texts("bench")["notes"]
-    note = page.Text(f"{notes['regions']} {notes['regions_chart']}")
+            folds.append(page.Fold(group.label, [table], is_open=not folds))
+    note = page.Text(texts("bench")["notes"]["regions"])
     return page.Section("Where the error lies", [note, *folds] if folds else [], id="regions")

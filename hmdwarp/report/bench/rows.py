@@ -26,11 +26,10 @@ from ...metrics import (
     pareto,
     ratings_of,
 )
-from ..run_texts import Cell, Line, listed, name_pieces, terminal_table
-from ..run_texts import Table as PageTable
+from ..run_texts import Cell, Line, Table, listed
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from rich.table import Table as TerminalTable
 
 Row = Mapping[str, Any]
 
@@ -101,9 +100,6 @@ class Case:
         taken = [(COLUMNS[column].value(row), row) for row in self.usable] if column in _TIMES else []
         least = min((value for value, _ in taken if value is not None), default=math.inf)
         return [row for value, row in taken if value == least]
-
-    def within(self, budget_ms: float) -> Case:
-        return Case(self.label, tuple(row for row in self.rows if (error_and_time(row)[1] or math.inf) <= budget_ms))
 
     def verdict(self) -> dict[str, Any]:
         """Return who wins by RULE, as `winners` of bench.json has it, and which metrics disagree.
@@ -260,8 +256,8 @@ def by_name(columns: Iterable[Column]) -> Columns:
 
 def table_of(
     caption: str, columns: Sequence[Column], rows: Iterable[Row], *, case: Case | None = None, **more: Any
-) -> PageTable:
-    """Return the rows as a table of a page. case: theirs, whose front and best are marked."""
+) -> Table:
+    """Return the rows as a table. case: theirs, whose front and best are marked."""
     front = set(map(id, case.held())) if case else set()
     best = {c.name: set(map(id, case.best(c.name))) for c in columns} if case else {}
 
@@ -270,7 +266,18 @@ def table_of(
         return Cell(column.text(row), style if column.is_number else "word")
 
     lines = [Line(tuple(cell(column, row) for column in columns), id(row) in front) for row in rows]
-    return PageTable(caption, [c.head for c in columns], lines, **more)
+    return Table(caption, [c.head for c in columns], lines, **more)
+
+
+def terminal_of(
+    columns: Sequence[Column], groups: Sequence[Case], *, has_marks: bool = False, **titles: str
+) -> TerminalTable:
+    """Return the cases as one table of the terminal, the least error first."""
+    lines: list[Line] = []
+    for group in groups:
+        first, *others = table_of("", columns, group.ordered(), case=group if has_marks else None).lines
+        lines += [attrs.evolve(first, group=group.label if len(groups) > 1 else ""), *others]
+    return Table("", [c.head for c in columns], lines, has_marks).terminal(**titles)
 
 
 def metric_columns(*, intervals: bool) -> Iterator[Column]:
@@ -345,143 +352,33 @@ def measure_label(measure: str) -> str:
 
 
 _RANKS = {metric.name: metric.bench_rank for metric in metrics_in_order() if metric.bench_rank is not None}
-_SPREAD = f"{PRIMARY}_spread"
 _TIMES = ("total_ms", "total_ms_p95")
 DECISION = ("warp", "fill", *_TIMES, *(f"{name}{end}" for name in _RANKS for end in ("", "_spread")), "mismatch")
-_HEADS = {"total_ms": "ms", "total_ms_p95": "p95", "mismatch": "mis%", _SPREAD: "±"}
-_OPTIONAL = {"total_ms_p95": 1, _SPREAD: 3.5, "mismatch": 3} | _RANKS
-# Columns that go where the terminal is narrow, the least important first.
-_DROPPED_FIRST = sorted((name for name, rank in _OPTIONAL.items() if rank < math.inf), key=_OPTIONAL.__getitem__)
-_GAP = 2  # between two columns
-_LEAST_TEXT = 10  # width of the column of warps, however narrow the terminal is
-MARK = "*"
+# The terminal has those that fit beside a long name in 80 columns.
+_OF_TERMINAL = ("warp", "fill", "total_ms", PRIMARY, f"{PRIMARY}_spread", "psnr_db", "ssim", "hole_share")
 
 
-def decision(rows: Iterable[Row]) -> list[str]:
-    """Return the columns to decide from: DECISION, and JOD where any row was rated."""
-    return [*DECISION, *([JOD.name] if any("jod" in row for row in rows) else [])]
+def decision(rows: Iterable[Row], names: Sequence[str] = DECISION) -> list[Column]:
+    """Return the columns to decide from, and JOD where any row was rated."""
+    return [COLUMNS[name] for name in (*names, *([JOD.name] if any("jod" in row for row in rows) else []))]
 
 
-def _of_terminal(rows: Iterable[Row]) -> list[str]:
-    """Return those of a terminal: of the intervals that of the FLIP alone."""
-    return [name for name in decision(rows) if not name.endswith("_spread") or name == _SPREAD]
-
-
-def bench_table(rows: Iterable[Row], *, width: int = 100) -> Table:
-    """Return all rows, case by case, the least error first; `*` marks the Pareto front.
-
-    width: of the terminal. Names of warps with settings are folded between their parts. Then
-    columns are left out, the least important first, until the rest fits; numbers are never cut.
-    """
-    from rich.text import Text
-
+def bench_table(rows: Iterable[Row]) -> TerminalTable:
+    """Return all rows for the terminal, case by case, the least error first; a star: the front."""
     rows = list(rows)
     groups = cases(rows)
     heading = groups[0].label if len(groups) == 1 else f"{len(groups)} cases"
-    names, warp_width = _that_fit(groups, width)
-    title, caption = Text(", ".join([heading, *common(rows)])), Text(_caption(rows, names))
-    table = terminal_table(title=title, caption=caption)
-    table.add_column(" ", no_wrap=True, width=len(MARK))
-    for name in names:
-        width = warp_width if name == "warp" else _width(name, groups)
-        table.add_column(_head(name), justify="right" if COLUMNS[name].is_number else "left", width=width, no_wrap=True)
-    for group in groups:
-        if len(groups) > 1:
-            table.add_section()
-            table.add_row("", Text(_folded(group.label, warp_width), style="bold"))
-        front, best = group.held(PRIMARY), {name: set(map(id, group.best(name))) for name in names}
-        for row in group.ordered(PRIMARY):
-            texts = {name: COLUMNS[name].text(row) for name in names}
-            texts["warp"] = _folded(texts["warp"], warp_width)
-            cells = (Text(text, style="bold" if id(row) in best[name] else "") for name, text in texts.items())
-            table.add_row(Text(MARK if any(row is one for one in front) else "", style="bold green"), *cells)
-    return table
-
-
-def _head(name: str) -> str:
-    figure = COLUMNS[name].figure
-    return _HEADS.get(name, figure.label + ("%" if figure.unit == "%" else ""))
-
-
-def _width(name: str, groups: Sequence[Case]) -> int:
-    return max(map(_cells, [_head(name), *(COLUMNS[name].text(row) for group in groups for row in group.rows)]))
-
-
-def _cells(text: str) -> int:
-    from rich.cells import cell_len
-
-    return max(map(cell_len, text.split("\n")))
-
-
-def _folded(text: str, width: int) -> str:
-    """Break the text between its pieces into lines of at most `width` cells if the pieces allow."""
-    lines = [""]
-    for piece in name_pieces(text):
-        if _cells((lines[-1] + piece).rstrip()) <= width or not lines[-1]:
-            lines[-1] += piece
-        else:
-            lines.append(piece)
-    return "\n".join(line.rstrip() for line in lines)
-
-
-def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
-    """Return the columns that fit, and the width of the warp's name."""
-    names = _of_terminal(row for group in groups for row in group.rows)
-    labels = [group.label for group in groups] if len(groups) > 1 else []
-    texts = [_head("warp"), *labels, *(COLUMNS["warp"].text(row) for group in groups for row in group.rows)]
-    least = max(_cells(piece.rstrip()) for text in texts for piece in name_pieces(text))
-
-    def room() -> int:
-        others = [len(MARK), *(_width(name, groups) for name in names if name != "warp")]
-        return width - sum(others) - _GAP * len(others)
-
-    for name in _DROPPED_FIRST:
-        if room() >= least:
-            break
-        names.remove(name)
-    return names, max(min(room(), max(map(_cells, texts))), least if room() >= least else _LEAST_TEXT)
-
-
-def _caption(rows: Sequence[Row], names: Sequence[str]) -> str:
     clocks = sorted({{"gpu": "GPU timers", "wall": "wall clock"}.get(row.get("clock", ""), "?") for row in rows})
-    lines = [f"ordered by {measure_label(PRIMARY)}; {marked_how(rows)}; bold: best of its column, ties too"]
-    if _SPREAD in names:
-        lines.append("±: 95 % interval of the mean")
-    lines += [f"ms: median per eye, {', '.join(clocks)}"]
-    if "mismatch" in names:
-        lines[-1] += "; mis%: hole for one eye only"
-    if left_out := [_head(name) for name in _of_terminal(rows) if name not in names]:
-        lines.append(f"columns hidden (terminal too narrow): {', '.join(left_out)}")
-    return "\n".join(lines)
+    caption = (
+        f"ordered by {measure_label(PRIMARY)}; {marked_how(rows)}; bold: best of its column, ties too\n"
+        f"±: 95 % interval of the mean; time: median per eye, {', '.join(clocks)}"
+    )
+    columns, title = decision(rows, _OF_TERMINAL), ", ".join([heading, *common(rows)])
+    return terminal_of(columns, groups, has_marks=True, title=title, caption=caption)
 
 
-def marked_how(rows: Iterable[Row], mark: str = MARK) -> str:
+def marked_how(rows: Iterable[Row], mark: str = "*") -> str:
     """Return what the mark says, or why no row has one."""
     if all(row["quality"][PRIMARY].get("interval") is None for row in rows):
         return f"no {mark}: intervals need {LEAST_INSTANTS} instants"
     return f"{mark}: no other is both quicker and better, by the 95 % interval of the difference"
-
-
-def choice_text(choice: Mapping[str, Any] | None) -> list[str]:
-    """Return the best combination within the budget, and the next step up, in words."""
-    if not choice:
-        return []
-    step, sizes = choice["next"], " and ".join(f"{width}x{height}" for width, height in choice["sizes"])
-    terms = f"at {sizes}" + (f", means over {choice['cases']} cases" if choice["cases"] > 1 else "")
-    best = f"Within {choice['budget_ms']:g} ms per eye the most accurate is {_described(choice)} ({terms})."
-    use = f"Use it by --warp {choice['warp']} --fill {choice['fill']}."
-    told = [best, *map(verdict_text, choice.get("winners", ())), use]
-    if step is None:
-        return [*told, "Nothing that was measured is more accurate, however long it takes."]
-    gains = [f"{1 - step['flip'] / choice['flip']:.0%} less FLIP error"] if choice["flip"] else []
-    if None not in (choice["psnr_db"], step["psnr_db"]):
-        change = step["psnr_db"] - choice["psnr_db"]
-        gains.append(f"{abs(change):.2f} dB {'more' if change >= 0 else 'less'} PSNR")
-    following = f"The next step up is {_described(step)}; {' and '.join(gains)}"
-    return [*told, f"{following} for {step['total_ms'] - choice['total_ms']:.2f} ms more."]
-
-
-def _described(entry: Mapping[str, Any]) -> str:
-    fill = "without a fill" if entry["fill"] == "none" else f"with fill {entry['fill']}"
-    psnr = "" if entry["psnr_db"] is None else f" and PSNR {entry['psnr_db']:.2f} dB"
-    return f"warp {entry['warp']} {fill}: mean FLIP {entry['flip']:.4f}{psnr}, {entry['total_ms']:.2f} ms"

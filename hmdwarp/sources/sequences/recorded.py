@@ -106,7 +106,6 @@ class Sequence:
     repair: RepairChain = RepairChain()  # what mends the depth of a frame before it is warped
     assumptions: tuple[Assumption, ...] = ()  # facts that all frames share, with who says them
     noise_floor_db: float | None = None  # PSNR of two renders of one frame that differ by noise; None if unknown
-    right: Sequence | None = None  # what a right eye beside saw, at the same instants and size; None if not recorded
 
     def __len__(self) -> int:
         return len(self.frames)
@@ -123,8 +122,7 @@ class Sequence:
             return self
         fact = Assumption(NO_DEPTH, "infinitely far", By.USER, "--no-depth")
         frames = tuple(frame.far_without_depth() for frame in self.frames)
-        right = self.right and self.right.with_no_depth(meaning)
-        return attrs.evolve(self, frames=frames, assumptions=replaced(self.assumptions, fact), right=right)
+        return attrs.evolve(self, frames=frames, assumptions=replaced(self.assumptions, fact))
 
     def repaired(self, repair: RepairChain) -> Sequence:
         if not repair.steps:
@@ -143,23 +141,14 @@ class Sequence:
         rows = np.where(np.asarray(seen.any(axis=0))[:, None], ends, 0) / high
         hidden = Hidden.of_rows(rows, self.frames[0].fov)
         frames = tuple(attrs.evolve(frame, hidden=hidden) for frame in self.frames)
-        return attrs.evolve(self, frames=frames, right=self.right and self.right.masked(mask))
+        return attrs.evolve(self, frames=frames)
 
     def cropped(self, pixels: int) -> Sequence:
         if not pixels:
             return self
         note = f"The {pixels} outermost pixels of each picture are left out."
         frames = tuple(frame.cropped(pixels) for frame in self.frames)
-        right = self.right and self.right.cropped(pixels)
-        return attrs.evolve(self, frames=frames, notes=(*self.notes, note), right=right)
-
-    @property
-    def right_m(self) -> float | None:
-        """How far the right eye sits to the right of this one, in the median; None without one."""
-        if self.right is None:
-            return None
-        pairs = zip(self.frames, self.right.frames, strict=True)
-        return float(np.median([one.pose.relative_to(other.pose).inverse().position_m[0] for one, other in pairs]))
+        return attrs.evolve(self, frames=frames, notes=(*self.notes, note))
 
     @property
     def rate_hz(self) -> float:
@@ -283,8 +272,8 @@ def about_unit(
             read = f"up to {as_read:.3g} in the file: if that is metres already, {option.format(1)} takes it so."
             return [f"{spans} m by the scale that is stated, and {read}"]
         if not _REVERSED <= middle <= _STANDARD:
-            side, more = ("above", "") if middle > _STANDARD else ("below", ", reversed_z=True")
-            metres = f"If it is one, 1 / hmdwarp.inverse_depth_from_clip(depth, near, far{more}) has metres"
+            side, planes = ("above", "near, far") if middle > _STANDARD else ("below", "far, near")
+            metres = f"If it is one, 1 / hmdwarp.DepthLayer(0, 1, {planes}).inverse_depth(depth) has metres"
             why = f"half of it {side} {middle:.3g}: so are the values of a depth buffer, not metres. {metres}"
             return [f"{spans}, {why}; 'hmdwarp check' finds near and far."]
     near = float(np.quantile(known, 0.01, method="lower")) if len(known) else 0.0

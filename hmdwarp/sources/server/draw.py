@@ -76,7 +76,8 @@ class Server(Renderer):
     def _draw(self, view: View, size: Size, drawing: Drawing, into: Target | None = None) -> EyeImage:
         target = into if into is not None else self.acquire(size)
         _check_same_size(target.colour.size, size)
-        passes, colour, depth = self._passes_for(drawing), target.colour, target.inverse_depth
+        needed, colour, depth = self._parts_for(drawing), target.colour, target.inverse_depth
+        passes = self._passes_of(needed, drawing)
         if self._several is None:
             passes.draw(view, self._framebuffers.over(colour, depth), drawing.time_ns)
         else:
@@ -84,7 +85,7 @@ class Server(Renderer):
             # Parts compare depth at the centres of pixels, and test against its buffer.
             self._depth_passes().draw(view, self._framebuffers.over(depth), drawing.time_ns)
         eye = EyeImage(view, colour, depth, drawn_ns=drawing.time_ns)
-        for part in self._parts_for(drawing):
+        for part in needed:
             eye = part.add(eye, drawing)
         return eye
 
@@ -101,8 +102,13 @@ class Server(Renderer):
         return self._depth
 
     def _passes_for(self, drawing: Drawing) -> ScenePasses:
-        made = (part.passes_for(drawing) for part in self._parts_for(drawing))
-        return next((passes for passes in made if passes is not None), self._colour)
+        return self._passes_of(self._parts_for(drawing), drawing)
+
+    def _passes_of(self, needed: Sequence[Part], drawing: Drawing) -> ScenePasses:
+        for part in needed:
+            if (passes := part.passes_for(drawing)) is not None:
+                return passes
+        return self._colour
 
     def _parts_for(self, drawing: Drawing) -> list[Part]:
         client, needs = drawing.client, drawing.needs

@@ -35,24 +35,25 @@ def eye_from_scene(view: View, origin_m: Array) -> Array:
     return out
 
 
-@functools.lru_cache(maxsize=64)  # few fields of view, used at every frame
-def _of_fov(fov: Fov) -> tuple[Array, Array]:
+def _projection(fov: Fov) -> tuple[Array, Array]:
+    """Return 4x4 clip_from_eye and 3x3 eye_from_ndc, read-only, and keep them."""
     left, right, down, up = fov.tangents
     wide, high, across, along = right - left, up - down, right + left, up + down
     clip = np.array([[2 / wide, 0, across / wide, 0], [0, 2 / high, along / high, 0], [0, 0, -1, -2 * NEAR_M], _LAST])
     eye_from_ndc = np.array([[wide / 2, 0, across / 2], [0, high / 2, along / 2], [0, 0, -1]])
     clip.flags.writeable = eye_from_ndc.flags.writeable = False
+    fov.matrices["clip"] = clip, eye_from_ndc
     return clip, eye_from_ndc
 
 
 def clip_from_eye(fov: Fov) -> Array:
     """Return the read-only 4x4 projection with an infinite far plane; w is metres along -z."""
-    return _of_fov(fov)[0]
+    return (fov.matrices.get("clip") or _projection(fov))[0]
 
 
 def world_from_ndc(view: View) -> Array:
     """Return 3x3: device coordinates (x, y, 1) to a direction of length 1 along -z."""
-    return view.pose.rotation_matrix @ _of_fov(view.fov)[1]
+    return view.pose.rotation_matrix @ (view.fov.matrices.get("clip") or _projection(view.fov))[1]
 
 
 def boxes_of(centres: Array, half_sizes: Array) -> Array:
@@ -166,8 +167,8 @@ class Visibility:
     def near(self, turn: tuple[float, float, float, float], eye: Array, fov: Fov) -> Draws:
         """Return the draws for an eye: quaternion xyzw to the chunks' space, (3,) metres in it."""
         sign = 1 if turn[3] >= 0 else -1
-        turned = [round(sign * part / TURN_STEP) for part in turn]
-        return self._draws(*turned, *[round(part / EYE_STEP_M) for part in eye.tolist()], fov)
+        turned = np.rint(np.array(turn) * (sign / TURN_STEP)).tolist()
+        return self._draws(*turned, *np.rint(eye / EYE_STEP_M).tolist(), fov)
 
 
 def _draws_of_cell(chunks: Chunks, *cell: Any) -> Draws:
@@ -599,7 +600,8 @@ class ScenePasses(Owner):
 
     def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:
         clear_depth(self._gl, framebuffer)
-        self._gpu.shaders.hidden.cover(view, framebuffer, -1.0, **({"COLOUR": 1} if self._colour else {}))
+        if view.hidden is not None:
+            self._gpu.shaders.hidden.cover(view, framebuffer, -1.0, **({"COLOUR": 1} if self._colour else {}))
         self.draw_into(view, framebuffer, None, time_ns, **uniforms)
 
     def draw_into(

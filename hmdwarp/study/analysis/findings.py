@@ -39,7 +39,7 @@ LEAST_PEOPLE = 6  # fewer have no interval: their resamples are too alike for 95
 
 @attrs.frozen
 class Resampling:
-    """Options of random draws: BCa intervals where not all resamples count, and copied rows."""
+    """Options of random draws: of BCa intervals where not all resamples count."""
 
     seed: int = st.SEED
     resamples: int = st.RESAMPLES
@@ -449,79 +449,6 @@ def _preferred(ratings: Ratings, planned: pd.DataFrame, families: Sequence[Famil
             found["comparisons"].append(row | {"p": st.wilcoxon_exact(net).p if len(net) else None})
     correct(found["comparisons"])
     return found
-
-
-# --- rows that two parts share
-
-_DRAWS = 20_000
-
-
-def copied_rows(ratings: Ratings, scale: str, seed: int) -> list[Row]:
-    """Return, for every two parts with conditions in common, the rows that are equal there.
-
-    Conditions are common by name or by settings; missing ratings count as equal. "by_chance": how
-    often as many people of the second part would have an equal row in the first if every rating
-    were drawn by itself from all ratings of its condition (seeded draws). "within": equal rows
-    among the people of one part, of all pairs: how common they are without copying.
-    """
-    found = []
-    for parts in itertools.combinations(ratings.parts(), 2):
-        shared = _shared(ratings, *parts)
-        if len(shared) < 2:  # equal ratings of one condition say nothing
-            continue
-        tables = [
-            ratings.table(part, scale)[list(names)].round(6)
-            for part, names in zip(parts, zip(*shared, strict=True), strict=True)
-        ]
-        first, second = (table.fillna(-np.inf).to_numpy() for table in tables)  # equal to itself, and no rating
-        pairs = _equal(first, second)
-        if not len(pairs):
-            continue
-        people = len({b for _, b in pairs})
-        rows = [
-            {
-                "first": tables[0].index[a],
-                "second": tables[1].index[b],
-                "ratings": tables[0].iloc[a].astype(object).where(tables[0].iloc[a].notna(), None).tolist(),
-            }
-            for a, b in pairs
-        ]
-        found.append({
-            "parts": list(parts), "conditions": [a for a, _ in shared], "rows": rows, "people": people,
-            "of": len(second), "by_chance": _by_chance(first, second, people, seed), "draws": _DRAWS,
-            "within": sum(int((a < b).sum()) for a, b in (_equal(t, t).T for t in (first, second))),
-            "within_of": sum(math.comb(len(table), 2) for table in (first, second)),
-        })  # fmt: skip
-    return found
-
-
-def _shared(ratings: Ratings, first: str, second: str) -> list[tuple[str, str]]:
-    """Return the conditions of both, as (name in the first, name in the second)."""
-
-    def alike(a: str, b: str) -> bool:
-        own, other = ratings.settings(first, a), ratings.settings(second, b)
-        return own == other if own and other else a == b
-
-    found = ((a, next((b for b in ratings.conditions(second) if alike(a, b)), None)) for a in ratings.conditions(first))
-    return [(a, b) for a, b in found if b is not None]
-
-
-def _equal(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    same = (first[..., :, None, :] == second[..., None, :, :]).all(axis=-1)
-    return np.argwhere(same & np.isfinite(first).any(axis=-1)[..., None])
-
-
-def _by_chance(first: np.ndarray, second: np.ndarray, people: int, seed: int) -> float:
-    """Return the share of draws with as many equal rows; the data count as one draw."""
-    random, pool, hits = np.random.default_rng(seed), np.concatenate([first, second]), 1
-    n, columns = len(pool), np.arange(pool.shape[1])
-    for _ in range(0, _DRAWS, 2000):  # little memory at a time
-        drawn = pool[random.integers(0, n, (2000, n, pool.shape[1])), columns]
-        found = _equal(drawn[:, : len(first)], drawn[:, len(first) :])
-        draws, each = np.unique(found[:, [0, 2]], axis=0)[:, 0], np.zeros(2000, int)
-        np.add.at(each, draws, 1)
-        hits += int((each >= people).sum())
-    return hits / (_DRAWS + 1)
 
 
 # --- published figures

@@ -100,7 +100,6 @@ def _on_scale(
 ) -> Row:
     info, table = ratings.scale_info[scale], ratings.rows
     rows = findings.compared(ratings, scale, families, resampling)
-    copied = findings.copied_rows(ratings, scale, resampling.seed)
     published = [] if claims is None else [findings.checked(one, rows, ratings, scale) for one in claims.claims]
     lacking = table[(table["scale"] == scale) & table["value"].isna()].rename(columns={"why_missing": "why"})
     return {
@@ -111,7 +110,6 @@ def _on_scale(
             for part in ratings.parts()
             if len(ratings.of(part, scale))
         ],
-        "copied": [row | {"sentence": sentence_of_copied(row)} for row in copied],
         "claims": [row | {"sentence": sentence_of_claim(row, claims.title, info)} for row in published if claims],
         "why_step": "" if claims is None else claims.why_step,
         "missing": lacking[["participant", "part", "condition", "session", "why"]].to_dict("records"),
@@ -256,24 +254,6 @@ def sentences_of_order(effects: Mapping[str, Row], scale: ScaleInfo) -> list[str
         text += f": {'it changed the ratings' if row['p'] <= ALPHA else 'no effect is shown'}"
         said.append(f"{text}; here it is confounded with {names[row['or']].lower()}." if "or" in row else f"{text}.")
     return said
-
-
-def sentence_of_copied(row: Row) -> str:
-    """Describe rows that two parts share."""
-    first, second = row["parts"]
-    doubles = listed([f"{pair['second']} = {pair['first']}" for pair in row["rows"]])
-    verdict = "That is no sign of copying; the parts are not pooled here."
-    if row["by_chance"] <= ALPHA:
-        verdict = (
-            "Such rows were most likely copied, or come from the same people: the parts are not independent, and "
-            "are not pooled here."
-        )
-    return (
-        f"In {row['people']} of {row['of']} rows of {second} the ratings of the {len(row['conditions'])} "
-        f"conditions that both parts have equal those of a row of {first} ({second} = {first}: {doubles}). "
-        f"Drawn independently, that many would occur in {100 * row['by_chance']:.2g} % of studies; within the parts "
-        f"{row['within']} of {row['within_of']} pairs of people are equal. {verdict}"
-    )
 
 
 def sentence_of_claim(row: Row, title: str, scale: ScaleInfo) -> str:

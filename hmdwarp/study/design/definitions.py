@@ -16,7 +16,7 @@ from typing import Any
 import attrs
 from PIL.Image import Image
 
-from ...display.desktop import window_view
+from ...display.desktop import WindowView
 from ...errors import InputError, unknown_name
 from ...headsets import FILE_ENDINGS as HEADSET_FILES
 from ...headsets import load_headset
@@ -232,7 +232,7 @@ def check_settings(settings: Mapping[str, object], sources: dict[SceneKey, Sourc
             found = f"{band} makes frames of {width}x{height} pixels"
             raise InputError(f"{found}: expected at most {_MOST_PIXELS} on each side, as most GPUs have it")
     source = sources[options.scene_key] = checked_source(options, sources.get(options.scene_key))
-    screen = EmulatedScreen(source.headset, window_view(options.view, source.headset, options.size).eyes)
+    screen = EmulatedScreen(source.headset, WindowView(options.view, source.headset, options.size).eyes)
     Run.of(on_screen(source.fitted(options), screen), source, screen)
     return options
 

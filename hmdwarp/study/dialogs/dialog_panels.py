@@ -486,12 +486,6 @@ def message_panel(title: str, text: str = "", hint: str = "") -> MessagePanel:
     return MessagePanel(title, wrapped(text, TEXT, WIDTH - 2 * PAD), hint=hint)
 
 
-def trial_panel(trial: int, trials: int, hint: str = "", turn: str = "") -> MessagePanel:
-    """Make the panel before a trial (0: practice): its number and turn, never its condition."""
-    number = f"Trial {trial} of {trials}{f': {turn}' if turn else ''}"
-    return message_panel(number if trial else "Practice: look around, it is not rated", hint=hint)
-
-
 def heading_of(ask: Ask, again: bool) -> str:
     """Return which trial the question is about, or which item of how many it is."""
     items, more = ask.scale.items, ", once more" if again else ""

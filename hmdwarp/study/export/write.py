@@ -436,31 +436,6 @@ def tracking_system(facts: Mapping[str, Any]) -> tuple[str, str, str]:
     return "unknown", "not recorded", ""
 
 
-@attrs.frozen
-class Rates:
-    """Sampling rates of a track."""
-
-    nominal_hz: float  # one over the median step
-    effective_hz: float  # steps over their duration
-    uneven: float  # share of steps that differ from the median by more than a twentieth
-    longest_s: float  # longest step
-
-    @classmethod
-    def of(cls, track: PoseTrack) -> Rates:
-        """Compute the rates of a track of at least two samples."""
-        steps = np.diff(track.time_ns)
-        median = float(np.median(steps))
-        off = np.abs(steps - median) > _UNEVEN * median
-        return cls(1e9 / median, len(steps) * 1e9 / track.duration_ns, float(off.mean()), float(steps.max()) * 1e-9)
-
-    def describe(self) -> str:
-        return (
-            f"Samples are as recorded, not resampled: {self.uneven:.1%} of the steps differ by more than "
-            f"{_UNEVEN:.0%} from the median, "
-            f"the longest is {self.longest_s:.4f} s. The channel 'latency' holds the instant of each."
-        )
-
-
 def motion_text(track: PoseTrack) -> str:
     """Return the _motion.tsv: no header, a row for each sample, columns as CHANNELS.
 
@@ -476,12 +451,16 @@ def motion_text(track: PoseTrack) -> str:
 
 def motion_json(track: PoseTrack, task: Mapping[str, str], facts: Mapping[str, Any]) -> dict[str, Any]:
     """Return the sidecar; of the session's facts only versions and what led the head are used."""
-    rates, (_, system, model) = Rates.of(track), tracking_system(facts)
+    (_, system, model), steps = tracking_system(facts), np.diff(track.time_ns)
+    median = float(np.median(steps))
+    uneven, longest_s = (np.abs(steps - median) > _UNEVEN * median).mean(), steps.max() * 1e-9
     return {
         **task,
-        "SamplingFrequency": round(rates.nominal_hz, 6),
-        "SamplingFrequencyEffective": round(rates.effective_hz, 6),
-        "SamplingDescription": rates.describe(),
+        "SamplingFrequency": round(1e9 / median, 6),
+        "SamplingFrequencyEffective": round(len(steps) * 1e9 / track.duration_ns, 6),
+        "SamplingDescription": f"Samples are as recorded, not resampled: {uneven:.1%} of the steps differ by more than "
+        f"{_UNEVEN:.0%} from the median, the longest is {longest_s:.4f} s. The channel 'latency' holds the instant of "
+        "each.",
         "TrackingSystemName": system,
         "RecordingDuration": round(track.duration_ns * 1e-9, 6),
         "MotionChannelCount": len(CHANNELS),

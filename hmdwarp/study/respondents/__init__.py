@@ -17,7 +17,7 @@ from scipy.special import ndtri
 from ...display import Command
 from ...errors import InputError, unknown_name
 from ...options import Table, fields_in, parsed, read_by, text_of
-from ..design import PAIR, Ask, Design, Order, Part, Pause, Read, Show, Step, allot, pair_of, rows_for, trials_of
+from ..design import PAIR, Ask, Design, Order, Part, Pause, Read, Show, Step, pair_of, trials_of
 from ..scales import FIRST, NEITHER, PREFERENCE, QUESTIONNAIRE, SECOND, WORDS, Scale
 from ..statistics import JOD_SPREAD
 from ..store import COMPLETE, SICK, STOPPED
@@ -30,19 +30,19 @@ def person_of(code: str) -> int:
     return int.from_bytes(hashlib.sha256(code.encode()).digest()[:8], "big")
 
 
-def table_of(seed: int, study: int, part: str, person: int, count: int) -> Floats:
+def table_of(seed: int, part: str, person: int, count: int) -> Floats:
     """Return a person's first `count` uniform draws in [0, 1) in a part of a study."""
-    return _uniform(seed, study, part, person, 0, count)
+    return _uniform(seed, part, person, 0, count)
 
 
-def draw_for(seed: int, part: str, person: int, thing: str) -> Floats:
+def draw_for(seed: int, part: str, person: int, thing: str) -> float:
     """Return a uniform draw for one named thing of a session, independent of the person's table."""
-    return _uniform(seed, 0, part, person, 1 + zlib.crc32(thing.encode()), 1)
+    return float(_uniform(seed, part, person, 1 + zlib.crc32(thing.encode()), 1)[0])
 
 
-def _uniform(seed: int, study: int, part: str, person: int, thing: int, count: int) -> Floats:
+def _uniform(seed: int, part: str, person: int, thing: int, count: int) -> Floats:
     counter = np.array([0, thing, zlib.crc32(part.encode()), person & _64], np.uint64)
-    key = np.array([seed & _64, study & _64], np.uint64)
+    key = np.array([seed & _64, 0], np.uint64)
     return np.random.Generator(np.random.Philox(key=key, counter=counter)).random(count)
 
 
@@ -90,20 +90,6 @@ class RatingModel:
             raise InputError(f"{where}: no mean for {', '.join(lacking)} {wanted}")
         return np.array(list(found.values()))
 
-    def latent(
-        self, mean: ArrayLike, before: ArrayLike, place: ArrayLike, level: ArrayLike, taste: ArrayLike, noise: ArrayLike
-    ) -> Floats:
-        """Compute the rating before steps and ends of the scale apply. All arguments broadcast.
-
-        mean: of the condition. before: mean of the condition shown before, or of the same one in
-        the first trial. place: of the trial, from 0. level, taste, noise: uniform draws of the
-        person, of the person and the condition, and of the trial.
-        """
-        spread = self.people_sd * normal(level) + self.condition_sd * normal(taste) + self.noise_sd * normal(noise)
-        mean = np.asarray(mean, float)
-        moved = self.drift * np.asarray(place) + self.carry_over * (np.asarray(before) - mean)
-        return np.asarray(mean + moved + spread)
-
 
 @attrs.frozen(kw_only=True)
 class OtherRatings:
@@ -146,13 +132,10 @@ class SicknessModel:
     people_sd: float = _within(0, math.inf)  # of the logarithm of a person's susceptibility
     noise_sd: float = _within(0, math.inf)  # of an answer
 
-    def state(self, trial: ArrayLike, person: ArrayLike) -> Floats:
-        """Compute the sickness after that many trials, not cut at 1. person: a uniform draw."""
-        return self.start + self.per_trial * np.asarray(trial) * np.exp(self.people_sd * normal(person))
-
-    def latent(self, trial: ArrayLike, person: ArrayLike, noise: ArrayLike) -> Floats:
-        """Compute the sickness felt at a question. noise: a uniform draw."""
-        return self.state(trial, person) + self.noise_sd * normal(noise)
+    def latent(self, trial: ArrayLike, person: float, noise: ArrayLike) -> Floats:
+        """Compute the sickness felt after that many trials, not cut at 1, of uniform draws."""
+        grown = self.per_trial * np.asarray(trial) * np.exp(self.people_sd * normal(person))
+        return np.asarray(self.start + grown + self.noise_sd * normal(noise))
 
 
 @attrs.frozen
@@ -264,139 +247,84 @@ def _means(table: Table, *, parts: bool = True) -> dict[str, object]:
     return out
 
 
-Ints = NDArray[np.intp]
-
-
 @attrs.frozen(eq=False)
-class Cohort:
-    """Answers of n people with T trials each; NaN where there is no answer."""
+class Answers:
+    """Answers of one simulated person with T trials; NaN where there is no answer."""
 
-    part: Part
-    order: Ints  # (n, T) numbers of the part's conditions in the order shown, of a pair the second
-    first: Ints  # (n, T) the first of a pair; as order where one condition is shown
-    trials: Ints  # (n) trials shown and rated before the end
-    why: tuple[str, ...]  # (n) status of the session
-    answers: dict[str, Floats]  # (n, T) by scale, rounded to the scale
-    sickness: Floats  # (n, T + 1) answers after the practice and after each trial
-    susceptible: Floats  # (n) uniform draws of how easily each gets sick
+    trials: int  # shown and rated before the end
+    why: str  # status of the session
+    ratings: Mapping[str, Floats]  # (T) by scale, rounded to the scale
+    sickness: Floats  # (T + 1) answers after the practice and after each trial
+    susceptible: float  # uniform draw of how easily the person gets sick
 
 
-class Population:
-    """What many simulated studies of one part have in common. Errors: InputError."""
-
-    def __init__(self, model: Model, design: Design, part: str) -> None:
-        self.model, self.design, self.part = model, design, design.part(part)
-        rows = rows_for(design, part)
-        self._names = {condition.name: number for number, condition in enumerate(self.part.conditions)}
-        self._trials = trials_of(design, part)
-        self._orders = np.array([self._flat(row) for row in rows])
-        self._ratings = {scale.name: model.rating(scale) for scale in design.scales if scale.kind != QUESTIONNAIRE}
-        self._means = {
-            name: rating.means_of(self.part, f"{model.path}: [rating.{name}.means]")
-            for name, rating in self._ratings.items()
-        }
-
-    def of(self, persons: Sequence[int], seed: int, study: int = 0, orders: Sequence[Order] | None = None) -> Cohort:
-        """Simulate a study of these people. orders: of each; None allots as the store does."""
-        draws = self._draws(persons, seed, study)
-        trials, why, sickness = self._ends(draws)
-        flat = None if orders is None else np.array([self._flat(order) for order in orders])
-        first, order = np.moveaxis(self._orders[self._allotted(why)] if flat is None else flat, -1, 0)
-        over, answers = np.arange(order.shape[1]) >= trials[:, None], {}
-        for number, scale in enumerate(self.design.scales):
-            if scale.name in self._means:
-                none = over | (draws["missing"][:, number] < self._ratings[scale.name].missing)
-                answer = self._preferred if scale.kind == PREFERENCE else self._rated
-                answers[scale.name] = np.where(none, np.nan, answer(draws, number, first, order))
-        return Cohort(self.part, order, first, trials, why, answers, sickness, draws["susceptible"])
-
-    def _draws(self, persons: Sequence[int], seed: int, study: int) -> dict[str, Floats]:
-        """Return uniform draws of n people; a person's table is as long as the plan alone decides.
-
-        susceptible: (n). level: (n, scales). taste: (n, scales, conditions). sickness: (n, T + 1).
-        dropout: (n, T). noise, missing: (n, scales, T).
-        """
-        s, c, t = len(self.design.scales), len(self.part.conditions), self._trials
-        # The table is cut in this order, and that decides every answer.
-        shapes: dict[str, tuple[int, ...]] = {
-            **{"susceptible": (), "level": (s,), "taste": (s, c), "sickness": (t + 1,), "dropout": (t,)},
-            **{"noise": (s, t), "missing": (s, t)},
-        }
-        ends = np.cumsum([int(np.prod(shape)) for shape in shapes.values()])
-        table = np.stack([table_of(seed, study, self.part.name, person, int(ends[-1])) for person in persons])
-        cuts = zip(shapes.items(), np.split(table, ends[:-1], axis=1), strict=True)
-        return {name: cut.reshape(len(table), *shape) for (name, shape), cut in cuts}
-
-    def _flat(self, order: Order) -> list[tuple[int, int]]:
-        """Return the numbers of both conditions of each trial, of a single one twice."""
-        pairs = (pair_of(name) if self.design.shows == PAIR else (name, name) for names in order for name in names)
-        return [(self._names[first], self._names[second]) for first, second in pairs]
-
-    def _rated(self, draws: Mapping[str, Floats], number: int, _: Ints, order: Ints) -> Floats:
-        """Return (n, T) ratings; before the first trial its own condition counts."""
-        scale = self.design.scales[number]
-        means = self._means[scale.name][order]
-        before, place = np.concatenate([means[:, :1], means[:, :-1]], axis=1), np.arange(order.shape[1])
-        taste = np.take_along_axis(draws["taste"][:, number], order, axis=1)
-        level, noise = draws["level"][:, number, None], draws["noise"][:, number]
-        return on_scale(self._ratings[scale.name].latent(means, before, place, level, taste, noise), scale)
-
-    def _preferred(self, draws: Mapping[str, Floats], number: int, first: Ints, second: Ints) -> Floats:
-        """Return (n, T) answers, by how much the second feels better, in JOD."""
-        scale = self.design.scales[number]
-        rating, means = self._ratings[scale.name], self._means[scale.name]
-
-        def at(order: Ints) -> Floats:
-            taste = np.take_along_axis(draws["taste"][:, number], order, axis=1)
-            return means[order] + rating.condition_sd * normal(taste)
-
-        felt = at(second) - at(first) + np.sqrt(2) * rating.noise_sd * normal(draws["noise"][:, number])
-        chosen = np.where(felt > 0, SECOND, FIRST)
-        return np.where(np.abs(felt) < rating.threshold, NEITHER, chosen) if scale.allows_ties else chosen
-
-    def _ends(self, draws: Mapping[str, Floats]) -> tuple[Ints, tuple[str, ...], Floats]:
-        """Return (trials, why, sickness) as in Cohort."""
-        count = self._trials
-        sickness, sick_after = _sickness(self.model, self.design, draws["sickness"], draws["susceptible"])
-        leaves = draws["dropout"] < self.model.dropout
-        left_after = np.where(leaves.any(axis=1), leaves.argmax(axis=1) + 1, count)
-        trials = np.minimum(np.minimum(sick_after, left_after), count)
-        why = tuple(
-            SICK if s <= t else STOPPED if t < count else COMPLETE for s, t in zip(sick_after, trials, strict=True)
-        )
-        later = np.arange(count + 1) > trials[:, None]
-        return trials, why, np.where(later, np.nan, sickness)
-
-    def _allotted(self, why: Sequence[str]) -> list[int]:
-        """Allot rows; an incomplete session leaves its order to the next."""
-        filled, rows = [0] * len(self._orders), []
-        for status in why:
-            rows.append(allot(filled, self.design.seed))
-            filled[rows[-1]] += status == COMPLETE
-        return rows
+def ratings_for(model: Model, design: Design, part: Part) -> dict[str, tuple[RatingModel, Floats]]:
+    """Return the model of each scale and its (conditions) means. Errors: InputError without one."""
+    found = {}
+    for scale in (one for one in design.scales if one.kind != QUESTIONNAIRE):
+        rating = model.rating(scale)
+        found[scale.name] = rating, rating.means_of(part, f"{model.path}: [rating.{scale.name}.means]")
+    return found
 
 
-def _sickness(model: Model, design: Design, noise: Floats, susceptible: Floats) -> tuple[Floats, Ints]:
-    """Return (n, T + 1) answers and (n) the trial after which the stop rule ends the session.
+def answers_of(model: Model, design: Design, part: str, seed: int, person: int, order: Order) -> Answers:
+    """Return what a person answers in a session of that order. Errors: as ratings_for."""
+    shown, t = design.part(part), trials_of(design, part)
+    ratings, s, c = ratings_for(model, design, shown), len(design.scales), len(shown.conditions)
+    numbers = {condition.name: number for number, condition in enumerate(shown.conditions)}
+    pairs = [pair_of(name) if design.shows == PAIR else (name, name) for names in order for name in names]
+    first, second = np.array([[numbers[name] for name in pair] for pair in pairs]).T
+    # The person's draws are cut in this order, and that decides every answer.
+    shapes: dict[str, tuple[int, ...]] = {
+        **{"susceptible": (), "level": (s,), "taste": (s, c), "sickness": (t + 1,), "dropout": (t,)},
+        **{"noise": (s, t), "missing": (s, t)},
+    }
+    ends = np.cumsum([math.prod(shape) for shape in shapes.values()])
+    cuts = zip(shapes.items(), np.split(table_of(seed, part, person, int(ends[-1])), ends[:-1]), strict=True)
+    draws = {name: cut.reshape(shape) for (name, shape), cut in cuts}
+    susceptible = float(draws["susceptible"])
+    sickness, sick_after = _sickness(model, design, draws["sickness"], susceptible)
+    leaves = [*np.flatnonzero(draws["dropout"] < model.dropout) + 1, t]
+    trials = min(sick_after, int(leaves[0]))
+    sickness[trials + 1 :] = np.nan
+    answers = {}
+    for number, scale in ((k, one) for k, one in enumerate(design.scales) if one.name in ratings):
+        rating, means = ratings[scale.name]
+        noise, mean = rating.noise_sd * normal(draws["noise"][number]), means[second]
+        felt = means + rating.condition_sd * normal(draws["taste"][number])  # of each condition
+        if scale.kind == PREFERENCE:
+            better = felt[second] - felt[first] + np.sqrt(2) * noise  # of the second, in JOD
+            given = np.where(better > 0, SECOND, FIRST)
+            if scale.allows_ties:
+                given = np.where(np.abs(better) < rating.threshold, NEITHER, given)
+        else:
+            before = np.concatenate([mean[:1], mean[:-1]])  # before the first trial its own condition counts
+            moved = rating.drift * np.arange(t) + rating.carry_over * (before - mean)
+            level = rating.people_sd * normal(draws["level"][number])
+            given = on_scale(felt[second] + moved + level + noise, scale)
+        none = (np.arange(t) >= trials) | (draws["missing"][number] < rating.missing)
+        answers[scale.name] = np.where(none, np.nan, given)
+    why = SICK if sick_after <= trials else STOPPED if trials < t else COMPLETE
+    return Answers(trials, why, answers, sickness, susceptible)
 
-    Answers are NaN where the plan does not ask; the trial lies beyond T where no rule applies.
-    noise: (n, T + 1) and susceptible: (n) uniform draws.
+
+def _sickness(model: Model, design: Design, noise: Floats, susceptible: float) -> tuple[Floats, int]:
+    """Return (T + 1) answers, NaN where the plan does not ask, and the trial of the stop rule.
+
+    That lies beyond T where no rule applies. noise: (T + 1) uniform draws.
     """
-    rule, trial = design.sickness, np.arange(noise.shape[1])
-    never = noise.shape[1]
+    rule, trial = design.sickness, np.arange(len(noise))
     if rule is None:
-        return np.full(noise.shape, np.nan), np.full(len(noise), never)
+        return np.full(len(noise), np.nan), len(noise)
     asked = np.where(trial == 0, design.practice is not None, trial % rule.every == 0)
-    felt = model.sickness.latent(trial, susceptible.reshape(-1, 1), noise)
-    answers = np.where(asked, of_share(felt, rule.scale), np.nan)
+    answers = np.where(asked, of_share(model.sickness.latent(trial, susceptible, noise), rule.scale), np.nan)
     bad = answers - rule.scale.least if rule.scale.low_is_good else rule.scale.most - answers
-    over = np.zeros(answers.shape, bool)
+    over = np.zeros(len(noise), bool)
     if rule.stop_at is not None:
         over |= bad >= rule.scale.badness(rule.stop_at)
     if rule.rise is not None and asked.any():
-        over |= bad - bad[:, [int(asked.argmax())]] >= rule.rise
-    over &= asked
-    return answers, np.where(over.any(axis=1), over.argmax(axis=1), never)
+        over |= bad - bad[asked.argmax()] >= rule.rise
+    return answers, int([*np.flatnonzero(over & asked), len(noise)][0])
 
 
 SAID = "simulated words"  # to questions that are answered in words
@@ -407,13 +335,13 @@ class Simulated:
     """Simulated participant: person_of(code) with the order of the session.
 
     Every draw belongs to the person and the question, none to what was asked before: the answers
-    are those of Population(..).of([person], seed, orders=[order]), however often they are asked.
+    are those of answers_of, however often they are asked.
     Errors: InputError where the model lacks a scale or a condition of the study.
     """
 
     def __init__(self, model: Model, design: Design, part: str, seed: int, person: int, order: Order) -> None:
         self._model, self._part, self._seed, self._person = model, part, seed, person
-        self._cohort = Population(model, design, part).of([person], seed, orders=[order])
+        self._answers = answers_of(model, design, part, seed, person, order)
         # The visit of a step: its key, the last time in it, and when each command was sent.
         self._key, self._last_s, self._sent = "", math.inf, dict[str, float]()
         self._paused: set[str] = set()  # keys of trials with a pause: one is enough
@@ -468,25 +396,25 @@ class Simulated:
 
     def answer(self, step: Ask, trial: int) -> float | None:
         """Return the answer, None for "cannot say". trial: shown last, for later questions."""
-        about_trial, cohort = step.phase in ("practice", "trial"), self._cohort
-        rated = step.phase == "trial" and step.scale.name in cohort.answers
+        about_trial, answers = step.phase in ("practice", "trial"), self._answers
+        rated = step.phase == "trial" and step.scale.name in answers.ratings
         if rated or (about_trial and step.scale.kind != QUESTIONNAIRE):
-            value = cohort.answers[step.scale.name][0, step.trial - 1] if rated else cohort.sickness[0, step.trial]
+            value = answers.ratings[step.scale.name][step.trial - 1] if rated else answers.sickness[step.trial]
             return None if np.isnan(value) else float(value)
         draw = self._draw("answer", step.key)
         if step.item.answer or about_trial:
             values = step.scale.of(step.item).values()
             return values[int(draw * len(values))]
         shown = 0 if step.phase == "before" else trial
-        return float(of_share(self._model.sickness.latent(shown, cohort.susceptible[0], draw), step.scale))
+        return float(of_share(self._model.sickness.latent(shown, answers.susceptible, draw), step.scale))
 
     def _leaves(self, step: Step, shown: Show | None) -> bool:
         """Return whether a drop-out leaves now: before the trial after the last one."""
-        last = int(self._cohort.trials[0])
-        return self._cohort.why[0] == STOPPED and (
+        last = self._answers.trials
+        return self._answers.why == STOPPED and (
             (isinstance(step, Show) and step.trial > last)
             or (isinstance(step, Pause) and shown is not None and shown.trial >= last)
         )
 
     def _draw(self, what: str, key: str) -> float:
-        return float(draw_for(self._seed, self._part, self._person, f"{what} {key}")[0])
+        return draw_for(self._seed, self._part, self._person, f"{what} {key}")

@@ -22,7 +22,7 @@ from ...run import OFFSCREEN, Driver, Ending, LiveOptions, Watchdog, open_displa
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs.dialog_panels import ACTING_CONTROLS, CONTROLS, hints_for
 from ..line_console import LineConsole
-from ..respondents import Population, Simulated, load_model, person_of
+from ..respondents import Simulated, load_model, person_of, ratings_for
 from ..store import INTERRUPTED, PERSON, PILOT, SIMULATED, Session, Store, store_folder
 from .markers import MarkerStream, load_lsl
 from .runner import Interrupted, SessionRunner, first_picture_wait_s
@@ -63,7 +63,7 @@ def run_session(
         part, design = _planned(options, design, store)
         model = None if options.simulate is None else load_model(options.simulate)
         if model is not None:
-            Population(model, design, part)  # raises where the model has no answer to what the study asks
+            ratings_for(model, design, design.part(part))  # raises where the model has no answer to what the study asks
         program = _Program(options, design, part, ending, store, say, on_end)
         stack.callback(program.say_last)
         shown_on = console or LineConsole(f"study {design.name}", kind=options.console, quiet=quiet)

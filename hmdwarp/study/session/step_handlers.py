@@ -20,7 +20,7 @@ from ...scenes import scenes
 from .. import design
 from ..design import Ask, Condition, Design, Page, PageStep, Pause, Read, Show, Step
 from ..dialogs import dialog_panels as dialogs
-from ..dialogs.dialog_panels import InputHints, MessagePanel, hints_for, message_panel, trial_panel
+from ..dialogs.dialog_panels import InputHints, MessagePanel, hints_for, message_panel
 from ..line_console import ConsoleState, LineConsole
 from ..respondents import Simulated
 from ..scales import WORDS
@@ -124,11 +124,13 @@ def scene_reacts(condition: Condition) -> bool:
 
 
 def number_panel(step: Show, steps: Sequence[Step], hints: InputHints) -> MessagePanel:
-    """Make the panel before a trial; it says what to do in one, or how to end it."""
+    """Make the panel before a trial: its number, never its condition, and what to do in it."""
     reacts = scene_reacts(step.condition)
     confirm = (reacts and hints.done) or hints.confirm
     hint = f"Look around as long as you like. {confirm}: done" if step.until_done else ""
-    return trial_panel(step.trial, _trials(steps), f"{hint}\n{hints.act if reacts else ''}".strip(), step.turn)
+    number = f"Trial {step.trial} of {_trials(steps)}{f': {step.turn}' if step.turn else ''}"
+    title = number if step.trial else "Practice: look around, it is not rated"
+    return message_panel(title, hint=f"{hint}\n{hints.act if reacts else ''}".strip())
 
 
 def sick_panel(asks_after: bool, hints: InputHints) -> MessagePanel:

@@ -100,7 +100,7 @@ export class Stopwatch {
 }
 
 // As pipeline/governor.py has them, with the reasons.
-const CLIP = 0.25, ENOUGH = 1, MARGIN = 0.95, WINDOW = 31, PATIENCE = 60, TRIAL = 240, BACK_OFF = 4, DOUBT = 0.85, SETTLING = 2;
+const CLIP = 0.25, ENOUGH = 1, MARGIN = 0.95, WINDOW = 31, PATIENCE = 60, TRIAL = 240, BACK_OFF = 4, SETTLING = 2;
 
 export function median(values) {
   const sorted = [...values].sort((a, b) => a - b), middle = sorted.length >> 1;
@@ -117,16 +117,15 @@ export class Governor {
   constructor(levels, budget) {
     const fits = levels.filter(({ ms }) => ms <= budget).length;
     Object.assign(this, { levels, budget, at: Math.max(fits - 1, 0), refresh: -1, failures: levels.map(() => 0) });
-    this.own = new Map([[this.at, levels[this.at].ms]]); // times seen in this run, up to one common factor
-    this.stay(null, 0, false);
+    this.stay(0, false);
   }
 
   get level() {
     return this.levels[this.at];
   }
 
-  stay(came, arrived, climbed) {
-    Object.assign(this, { came, arrived, climbed, room: this.levels.map(() => 0), window: [], evidence: 0, against: [] });
+  stay(arrived, climbed) {
+    Object.assign(this, { arrived, climbed, room: this.levels.map(() => 0), window: [], evidence: 0, against: [] });
   }
 
   /** Count the ms of a refresh's worse eye. Returns why another level is next, in words; "" to stay. */
@@ -138,53 +137,38 @@ export class Governor {
     if (this.evidence) kept(this.against, ms, WINDOW >> 1);
     else this.against.length = 0;
     if (this.evidence >= ENOUGH && this.at > 0) return this.down();
-    if (this.window.length < WINDOW) return "";
-    const usual = median(this.window);
-    this.learn(usual);
-    return this.up(usual);
+    return this.window.length < WINDOW ? "" : this.up(median(this.window));
   }
 
   down() {
     const ms = median(this.against);
-    this.learn(ms);
     let to = this.at - 1;
-    while (to > 0 && Math.max(...this.expected(to, ms)) > this.budget) to -= 1;
+    while (to > 0 && this.expected(to, ms) > this.budget) to -= 1;
     if (this.climbed) {
       const failures = this.failures[this.at], lasted = this.refresh - this.arrived >= TRIAL * BACK_OFF ** failures;
       if (lasted) this.failures[this.at] = Math.max(0, failures - 1);
       else for (let k = this.at; k < this.failures.length; k += 1) this.failures[k] = Math.max(failures + 1, this.failures[k]);
     }
-    return this.change(to, ms, `${ms.toFixed(1)} ms exceeds the ${this.budget.toFixed(1)} ms budget`);
+    return this.change(to, `${ms.toFixed(1)} ms exceeds the ${this.budget.toFixed(1)} ms budget`);
   }
 
   up(ms) {
     let to = -1;
     for (let k = this.at + 1; k < this.levels.length; k += 1) {
-      this.room[k] = this.hoped(k, ms) <= MARGIN * this.budget ? this.room[k] + 1 : 0;
+      this.room[k] = this.expected(k, ms) <= MARGIN * this.budget ? this.room[k] + 1 : 0;
       if (this.room[k] >= PATIENCE * BACK_OFF ** this.failures[k]) to = k;
     }
-    return to < 0 ? "" : this.change(to, ms, `expected to take ${this.hoped(to, ms).toFixed(1)} of ${this.budget.toFixed(1)} ms`);
+    return to < 0 ? "" : this.change(to, `expected to take ${this.expected(to, ms).toFixed(1)} of ${this.budget.toFixed(1)} ms`);
   }
 
-  /** ms of a level: by what was measured before, and by this run. */
+  /** ms of a level, by what was measured before. */
   expected(k, ms) {
-    const before = (ms * this.levels[k].ms) / this.level.ms;
-    return [before, this.own.has(k) && this.own.has(this.at) ? (ms * this.own.get(k)) / this.own.get(this.at) : before];
+    return (ms * this.levels[k].ms) / this.level.ms;
   }
 
-  hoped(k, ms) {
-    const [before, own] = this.expected(k, ms);
-    return own < DOUBT * before ? own : before;
-  }
-
-  learn(ms) {
-    if (this.came && this.came[1] > 0 && ms > 0) this.own.set(this.at, (this.own.get(this.came[0]) * ms) / this.came[1]);
-    this.came = null;
-  }
-
-  change(to, ms, why) {
+  change(to, why) {
     const climbed = to > this.at;
-    this.stay([this.at, ms], this.refresh + 1, climbed);
+    this.stay(this.refresh + 1, climbed);
     this.at = to;
     return why;
   }

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import attrs
 import pytest
 
-from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import BenchOptions, bench
-from hmdwarp.experiments.sweep.options import SweepOptions
+from hmdwarp.experiments.sweep import KeptOptions
 from hmdwarp.resources import folder
 
 TINY = BenchOptions(
     warps=("rotation",), fills=("none",), latencies_ms=(50.0, 100.0), scenes=("planes",), sizes=((48, 40),),
     headset="rift-dk1", rate_hz=60.0, seconds=0.3, guard=1.1, instants=1, rounds=1, workers=0,
 )  # fmt: skip
-AGAIN = SweepOptions(resume=True)
+AGAIN = KeptOptions(resume=True)
 
 
 @pytest.fixture
@@ -60,29 +58,6 @@ def test_interrupted_and_resumed_is_the_whole_run(tmp_path, heads):
     plain = bench(attrs.evolve(options, out=tmp_path / "plain"))
     assert untimed(resumed.data["rows"]) == untimed(plain.data["rows"])
     assert written(options.out).keys() == written(tmp_path / "plain").keys()
-
-
-def test_a_case_that_fails_leaves_the_others_and_is_run_again(tmp_path, heads):
-    options = attrs.evolve(TINY, recordings=tuple(map(str, heads)), out=tmp_path / "out")
-    content = heads[1].read_bytes()
-
-    def lose(done: int, total: int) -> None:
-        if done == 1:
-            heads[1].unlink()
-
-    result = bench(options, lose)
-    assert [row["trace"] for row in result.data["rows"]] == ["first", "first"]
-    assert len(result.swept.failed) == 2 and all("second.csv" in failure.why for failure in result.swept.failed)
-    assert sum("failed" in note for note in result.data["notes"]) == 2
-    with pytest.raises(InputError, match="2 of 4 cases failed.*second.*--resume"):
-        result.swept.raise_failures()
-    states = [json.loads(path.read_bytes())["state"] for path in (options.out / "cases").glob("*.json")]
-    assert sorted(states) == ["done", "done", "failed", "failed"]
-
-    heads[1].write_bytes(content)
-    again = bench(attrs.evolve(options, sweep=AGAIN))
-    assert (again.swept.failed, again.swept.known) == ((), 2)
-    assert [row["trace"] for row in again.data["rows"]] == ["first", "first", "second", "second"]
 
 
 def test_a_case_is_identified_by_content(tmp_path, heads):

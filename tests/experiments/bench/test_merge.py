@@ -14,22 +14,18 @@ from commands import hmdwarp
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.experiments.bench import MergeOptions, bench, merge
+from hmdwarp.experiments.bench import read as read_rows
 from hmdwarp.experiments.bench.bench_run import NAMES
 from hmdwarp.metrics import BOUND, block_means, blocks_apart, blocks_text
 from hmdwarp.report.bench.rows import COLUMNS, cases
 
 from .test_bench_cases import TINY, untimed
 
-try:
-    from pyarrow import parquet
-except ImportError:
-    parquet = None
-
 
 @pytest.fixture(scope="module")
 def benches(tmp_path_factory) -> list[Path]:
     """A bench of two latencies, and each of them by itself."""
-    options = attrs.evolve(TINY, recordings=("walk",), start_s=0.2, parquet=parquet is not None)
+    options = attrs.evolve(TINY, recordings=("walk",), start_s=0.2)
     made = [tmp_path_factory.mktemp("bench") / "out" for _ in range(3)]
     for out, latencies in zip(made, ((50.0, 100.0), (50.0,), (100.0,)), strict=True):
         bench(attrs.evolve(options, latencies_ms=latencies, out=out))
@@ -62,18 +58,15 @@ def elsewhere(folder: Path, to: Path, levels: float = 0.0, **changes) -> Path:
 
 def test_parts_together_are_the_whole(benches, tmp_path):
     whole, *parts = benches
-    data = merged(parts, tmp_path, parquet=parquet is not None)
+    data = merged(parts, tmp_path)
     assert untimed(data["rows"]) == untimed(read(whole)["rows"])
     assert read(tmp_path / "merged") == json.loads(json.dumps(data))
     assert (tmp_path / "merged" / "bench.html").is_file()
     with (tmp_path / "merged" / "bench.csv").open(encoding="utf-8", newline="") as file:
         written = list(csv.DictReader(file))
     assert len(written) == 2
-    if parquet is None:
-        return
-    table = parquet.read_table(tmp_path / "merged" / "bench.parquet")
-    assert table.column_names == NAMES
-    for row, texts in zip(table.to_pylist(), written, strict=True):  # the same, with types
+    for row, texts in zip(read_rows(tmp_path / "merged"), written, strict=True):  # the same, with types
+        assert [*row] == [*texts] == NAMES
         for name, text in texts.items():
             assert (row[name] in (None, "")) if text == "" else type(row[name])(text) == row[name], name
 

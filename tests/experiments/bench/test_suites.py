@@ -14,7 +14,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import BenchOptions
 from hmdwarp.experiments.bench.bench_run import Recipe, about_sequence, further, recipes
 from hmdwarp.experiments.bench.suite_means import clustered_interval, over_all, ranks_of, suite_entry
-from hmdwarp.experiments.bench.suites import cost_text, half_of, halves, suites
+from hmdwarp.experiments.bench.suites import half_of, halves, suites
 from hmdwarp.options.identity import hash_of_files
 from hmdwarp.poses import KINDS
 from hmdwarp.report.bench.page import bench_page
@@ -124,12 +124,6 @@ def test_a_rank_is_as_sure_as_heads_and_scenes_agree():
     # Draws in which both heads come as often count for both. Of 500, a share of 0.64 is within 0.1.
     assert one["rank"]["best"] == pytest.approx(other["rank"]["best"], abs=0.1)
     assert one["where_seen_db"] is None
-
-
-def test_the_cost_is_told_before():
-    text = cost_text("quick", [(1280, 800), (640, 400)], [100, 400], 1)
-    assert "2 cases, 500 pictures" in text and "about 2 min for the metrics of 1 processes" in text
-    assert "about 8 min of one core" in text  # 205 Mpx at 2.3 us
 
 
 # --- what a suite takes besides what ships: scenes by others, recorded sequences ------------------

@@ -21,8 +21,7 @@ from pathlib import Path
 import attrs
 
 from hmdwarp.errors import HmdwarpError, InputError
-from hmdwarp.experiments.sweep import Result, SweepCase, Swept, run_cases
-from hmdwarp.experiments.sweep.options import SweepOptions
+from hmdwarp.experiments.sweep import KeptOptions, Result, SweepCase, Swept, run_cases
 
 SECONDS = 0.02
 
@@ -63,7 +62,7 @@ def cases(count: int, kind: str = "plain", file: str = "") -> list[SweepCase]:
 
 def sweep(out: Path, count: int, kind: str = "plain", file: str = "", say=lambda text: None, **options) -> Swept:
     out.mkdir(exist_ok=True)
-    return run_cases(Cheap(out / "ran"), cases(count, kind, file), out, SweepOptions(**options), say=say)
+    return run_cases(Cheap(out / "ran"), cases(count, kind, file), out, KeptOptions(**options), say=say)
 
 
 def main() -> None:

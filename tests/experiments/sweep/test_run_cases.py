@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 
 import pytest
 
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.experiments.sweep import run_cases
-from hmdwarp.experiments.sweep.options import SweepOptions
+from hmdwarp.experiments.sweep import KeptOptions, run_cases
 from hmdwarp.experiments.sweep.sweep_case import held
 from hmdwarp.options.identity import identity_of
 
@@ -45,7 +43,7 @@ def test_resuming_runs_only_the_cases_that_failed(tmp_path):
 @pytest.mark.parametrize("text", ["local", "local:0", "local:x", "somewhere", "tcp://host", "host:port"])
 def test_wrong_cluster_addresses_are_refused(text):
     with pytest.raises(InputError, match="expected local:N, or the address of a Dask scheduler"):
-        SweepOptions(cluster=text)
+        KeptOptions(cluster=text)
 
 
 def test_a_scheduler_that_is_not_there(tmp_path, monkeypatch):
@@ -73,16 +71,6 @@ def test_a_cluster_gives_what_this_process_gives(tmp_path):
     with pytest.raises(MachineError, match="number 13: its worker died, and 2 more that ran it again"):
         swept.raise_failures()
     assert squares(sweep(out, 20, "plain", file, resume=True)).keys() == set(range(20))
-
-
-@pytest.mark.slow(10)
-def test_timing_on_one_runs_all_cases_on_one_worker(tmp_path):
-    pytest.importorskip("distributed")
-    swept = sweep(tmp_path / "out", 12, cluster="local:2", timing_on="one")
-    found = [result["pid"] for _, result in swept.results()]
-    assert len(found) == 12 and len({*found}) == 1
-    order = (tmp_path / "out" / "ran").read_text(encoding="utf-8").split()
-    assert order == [str(number) for number in range(12)]
 
 
 @pytest.mark.parametrize(
@@ -114,7 +102,7 @@ def test_a_kind_of_case_says_what_else_of_the_program_it_depends_on():
 
 
 def test_a_folder_is_one_run_s_and_what_it_keeps_stays_until_another_has_succeeded(tmp_path):
-    with held(tmp_path), pytest.raises(MachineError, match=rf"since .*, process {os.getpid()} on"), held(tmp_path):
+    with held(tmp_path), pytest.raises(MachineError, match="another run writes here"), held(tmp_path):
         raise AssertionError("two hold it")
     sweep(tmp_path, 3)
     kept = {*(tmp_path / "cases").iterdir()}
@@ -124,7 +112,7 @@ def test_a_folder_is_one_run_s_and_what_it_keeps_stays_until_another_has_succeed
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run_cases(Cheap(tmp_path / "ran"), cases(5, "plain", ""), tmp_path, SweepOptions(), ends)
-    assert kept <= {*(tmp_path / "cases").iterdir()} and not (tmp_path / ".lock").exists()
+        run_cases(Cheap(tmp_path / "ran"), cases(5, "plain", ""), tmp_path, KeptOptions(), ends)
+    assert kept <= {*(tmp_path / "cases").iterdir()}
     sweep(tmp_path, 1)
     assert len([*(tmp_path / "cases").iterdir()]) == 1

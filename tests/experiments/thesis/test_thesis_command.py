@@ -100,13 +100,3 @@ def test_wrong_input_is_refused_before_anything_is_written(tmp_path, more, words
     done = hmdwarp("thesis", "--quick", *more, "--out", tmp_path / "out")
     assert done.returncode == 2 and words in " ".join(done.stderr.split())
     assert not (tmp_path / "out").exists()
-
-
-def test_files_of_others_stay_unless_forced(tmp_path):
-    (tmp_path / "thesis.html").write_text("mine", encoding="utf-8")
-    words = ("thesis", "--quick", "--only", "ring", "--out", tmp_path)
-    refused = hmdwarp(*words)
-    assert refused.returncode == 2 and "--force" in refused.stderr
-    assert (tmp_path / "thesis.html").read_text(encoding="utf-8") == "mine"
-    assert hmdwarp(*words, "--force").returncode == 0
-    assert "The thesis again" in (tmp_path / "thesis.html").read_text(encoding="utf-8")

@@ -76,18 +76,6 @@ def test_settings_name_each_row_that_is_so_and_no_other(cells):
             assert ("(" in part) == (some != every)
 
 
-def test_settings_say_once_what_neighbours_share():
-    cells = [
-        Finding(f"{kind} {speed} {unit}", f"{latency} ms", 1.0, holds)
-        for kind, unit, speeds in (("sideways", "m/s", (0.25, 0.5)), ("rotate", "deg/s", (30,)))
-        for speed in speeds
-        for latency, holds in ((200, True), (400, kind == "rotate"), (600, kind == "rotate"))
-    ]
-    assert settings_text(cells, True) == "sideways 0.25, 0.5 m/s (200 ms); rotate 30 deg/s"
-    assert settings_text(cells, False) == "sideways 0.25, 0.5 m/s (400, 600 ms)"
-    assert settings_text(cells, None) == ""
-
-
 RUNS = [
     {"a": 2.0, "b": 0.5, "pixels": 100.0},
     {"a": 6.0, "b": 0.2, "pixels": 400.0},

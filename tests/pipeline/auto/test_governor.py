@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import HmdwarpError, InputError
 from hmdwarp.pipeline import QualityLevel
-from hmdwarp.pipeline.governor import BACK_OFF, PATIENCE, SETTLING, TRIAL, WINDOW, Governor
+from hmdwarp.pipeline.governor import BACK_OFF, PATIENCE, SETTLING, WINDOW, Governor
 from hmdwarp.pipeline.levels import choose, levels_from
 
 
@@ -149,23 +149,15 @@ BUDGETS = st.floats(1.0, 40.0)  # times the cheapest level
 
 
 @given(ladders(), BUDGETS, DRIFTS)
-def test_it_settles_under_any_steady_load(levels, budget, drift):
+def test_it_settles_under_any_steady_load_within_the_budget_if_a_level_fits(levels, budget, drift):
     """One change is enough where all levels drift alike. Down to what fits, or up to what has room;
-    then none."""
+    then none. 1/400: a smaller excess does not add up to the evidence wanted."""
     governor = Governor(levels, budget * levels[0].total_ms)
     changes = run(governor, steady(drift), 400)
     assert len(changes) <= 1
-    assert run(governor, steady(drift), 3000) == []
-
-
-@given(ladders(), BUDGETS, DRIFTS)
-def test_it_never_stays_over_the_budget_if_a_cheaper_level_fits(levels, budget, drift):
-    governor = Governor(levels, budget * levels[0].total_ms)
-    run(governor, steady(drift), 400)
-    # 1/400: a smaller excess does not add up to the evidence wanted within the refreshes of this
-    # test.
     over = governor.level.total_ms * drift > governor.budget_ms * (1 + 1 / 400)
     assert not over or governor.level is levels[0]
+    assert run(governor, steady(drift), 3000) == []
 
 
 @given(ladders(), BUDGETS, DRIFTS, st.floats(1.0, 3.0))
@@ -185,12 +177,6 @@ def test_spikes_alone_change_nothing(apart, height, share):
     machine = lambda _, k: share * BUDGET * (height if k % apart == apart - 1 else 1)  # noqa: E731
     governor = Governor((LADDER[0], QualityLevel("top", "none", share * BUDGET, 0.1)), BUDGET)
     assert run(governor, machine, 1000) == []
-
-
-@given(st.floats(1.0, 1e6))
-def test_one_spike_changes_nothing_even_at_the_edge_of_the_budget(height):
-    governor = Governor((LADDER[0], QualityLevel("top", "none", BUDGET, 0.1)), BUDGET)
-    assert run(governor, lambda level, k: level.total_ms * (height if k == 500 else 1), 1000) == []
 
 
 @given(ladders(), BUDGETS, DRIFTS, st.integers(0, 2**32))
@@ -267,28 +253,6 @@ def test_where_a_level_disappoints_dearer_ones_wait_as_long():
     changes = run(governor, lambda level, _: 1.2 if level is levels[0] else 6.0, 190)
     assert [change.after for change in changes][-3:] == [levels[0], levels[1], levels[0]]
     assert run(governor, lambda *_: 0.9, 2 * PATIENCE) == []
-
-
-def test_pulses_of_load_are_not_followed_for_long():
-    """Load for 20 refreshes in every 200. The level that suffers is left alone for longer and
-    longer, and regained when they end."""
-    governor = Governor(LADDER, BUDGET)
-    pulsing = lambda level, k: level.total_ms * (2.0 if k % 200 < 20 else 1.0)  # noqa: E731
-    first, later = run(governor, pulsing, 2000), run(governor, pulsing, 2000, start=2000)
-    assert len(later) <= len(first) / 2
-    run(governor, steady(1.0), TRIAL * BACK_OFF**3)
-    assert governor.level.total_ms == 9.0
-
-
-def test_a_ladder_the_benchmark_got_wrong_does_not_keep_the_run_down():
-    """6 ms cost 9 here, 9 ms cost 9.2. By the benchmark's ratio the dearer one would take 13.5, but
-    this run has seen both."""
-    governor = Governor(LADDER, BUDGET)
-    real = {1.0: 1.0, 3.0: 3.0, 6.0: 9.0, 9.0: 9.2, 20.0: 20.0}
-    run(governor, lambda level, _: real[level.total_ms] * 1.12, 200)
-    assert governor.level.total_ms < 9.0
-    run(governor, lambda level, _: real[level.total_ms], 400)
-    assert governor.level.total_ms == 9.0
 
 
 def test_it_starts_at_the_most_accurate_level_within_the_budget():

@@ -133,7 +133,7 @@ def test_a_lost_server_is_announced_over_the_picture_and_taken_up_again(monkeypa
     [
         ({"scene": "no such"}, "unknown scene 'no such'"),
         ({"fill": "model"}, "the scene is at the server"),
-        ({"response": "sum"}, "the server's times are the real ones"),
+        ({"response": "sum"}, "the server's times are real"),
         ({"jitter": "uniform:20"}, "--added-latency 0 ms"),
         ({"connect": "nowhere"}, "expected HOST:PORT"),
     ],

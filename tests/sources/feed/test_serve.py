@@ -17,10 +17,9 @@ from hmdwarp.gpu import Gpu, download
 from hmdwarp.headsets import load_headset
 from hmdwarp.link.codec import Coding
 from hmdwarp.pipeline.feed_coding import arrays_of
-from hmdwarp.pipeline.remote import Remote
-from hmdwarp.pipeline.remote_source import RemoteRenderer
+from hmdwarp.pipeline.remote import Remote, RemoteRenderer
 from hmdwarp.run import replay
-from hmdwarp.run.frame_rows import ReplayLog
+from hmdwarp.run.run_summary import ReplayLog
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.feed import FeedOptions
 from hmdwarp.sources.feed.caller import Viewer

@@ -77,7 +77,7 @@ class Session:
         self.listener.answer(asked, attrs.evolve(FRAME, number=asked.ask.number, **says))
         while not (found := self.remote.arrived(0)) and (shown or asked.ask.number in self.remote._pending):
             pass
-        return found[-1].pending if shown else None
+        return found[-1] if shown else None
 
     def first(self):
         """Ask until the connection is there; return what was asked."""
@@ -155,7 +155,7 @@ def test_a_fate_is_told_from_when_it_is_heard_until_a_request_that_told_it_is_an
     with closing(Session()) as session:
         session.begin()
         of = session.answer(session.asked(500, needs))
-        fate = Fate(of.number, True, 1000)
+        fate = Fate(of.ask.number, True, 1000)
         session.remote.tell(of, arrived=True, heard_ns=1000)
         before, first, second = (session.asked(at, needs) for at in (999, 1000, 1001))
         assert [told(one) for one in (before, first, second)] == [(), (fate,), (fate,)]

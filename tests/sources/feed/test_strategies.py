@@ -185,7 +185,7 @@ def test_a_frame_of_a_video_enters_the_link_with_its_instant_its_bytes_and_wheth
         monkeypatch.setattr(remote, "arrived", arriving)
         monkeypatch.setattr(link, "send", sending)
         _, told = flown(setup, setup.schedule.numbered())
-    frames = [(one.pending.drawn_ns, one.arrival.frame) for one in came]
+    frames = [(one.drawn_ns, one.message) for one in came]
     assert sent == [(at_ns, sum(map(len, frame.colours)), frame.begins) for at_ns, frame in frames]
     assert {key for *_, key in sent[1:]} == {True, False} and told["frames"]["lost"] > 0
 

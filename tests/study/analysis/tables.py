@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import attrs
 import numpy as np
 import pandas as pd
 
 from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo, frame
-from hmdwarp.study.design import SHIPPED, Comparison, Design, design_from_text
+from hmdwarp.study.design import PAIR, SHIPPED, Comparison, Design, design_from_text, pair_of, rows_for
 from hmdwarp.study.design.orders import williams
-from hmdwarp.study.respondents import Cohort, Model, Population, RatingModel
+from hmdwarp.study.respondents import Model, RatingModel, answers_of
 from hmdwarp.study.scales import Scale, load_scale
 from hmdwarp.study.store import SIMULATED
 
@@ -65,28 +67,53 @@ def judges(scale: str, noise: float, taste: float, threshold: float) -> Model:
     return Model("judges", ratings={scale: rating})
 
 
+@attrs.frozen(eq=False)
+class Cohort:
+    """Simulated people, who saw the orders of a part by turns. NaN where there is no answer."""
+
+    names: list[str]  # of the conditions
+    order: np.ndarray  # (n, T, 2) numbers of those of a pair; of a single one twice
+    why: list[str]  # status of the session
+    answers: dict[str, np.ndarray]  # (n, T) by scale
+
+
+def cohort_of(model: Model, design: Design, part: str, people: Iterable[int], seed: int) -> Cohort:
+    rows = rows_for(design, part)
+    names = [condition.name for condition in design.part(part).conditions]
+    seen, found = [], []
+    for k, person in enumerate(people):
+        order = rows[k % len(rows)]
+        pairs = (pair_of(one) if design.shows == PAIR else (one, one) for repeat in order for one in repeat)
+        seen.append([tuple(map(names.index, pair)) for pair in pairs])
+        found.append(answers_of(model, design, part, seed, person, order))
+    answers = {scale: np.array([one.ratings[scale] for one in found]) for scale in found[0].ratings}
+    return Cohort(names, np.array(seen), [one.why for one in found], answers)
+
+
 def simulated(design: Design, model: Model, study: int, people: int = 14) -> Ratings:
     """A whole study of pairs, without pictures."""
-    scale = design.scales[0]
-    population = Population(model, design, "main")
-    cohort = population.of(range(people), 7, study)
-    orders = population._orders[population._allotted(cohort.why)]  # who saw what first
-    names = [condition.name for condition in cohort.part.conditions]
+    scale, cohort = design.scales[0], cohort_of(model, design, "main", range(people), study)
     said = [
-        {"participant": f"p{k}", "part": "main", "scale": scale.name, "first": names[first], "second": names[second]}
+        {
+            "participant": f"p{k}",
+            "part": "main",
+            "scale": scale.name,
+            "first": cohort.names[a],
+            "second": cohort.names[b],
+        }
         | {"answer": float(answer), "allows_ties": scale.allows_ties, "reference": "reference"}
         for k in range(people)
-        for (first, second), answer in zip(orders[k], cohort.answers[scale.name][k], strict=True)
+        for (a, b), answer in zip(cohort.order[k], cohort.answers[scale.name][k], strict=True)
     ]
     return Ratings(rows=(), scale_info={}, preferences=said, families=design.families)
 
 
-def simulate_study(design: Design, model: Model, n: int, seed: int, study: int = 0) -> Ratings:
-    """n people in each part, who are all other people; study: another one of the same seed."""
+def simulate_study(design: Design, model: Model, n: int, seed: int) -> Ratings:
+    """n people in each part, who are all other people."""
     rows: list[dict] = []
     for part in design.parts:
-        cohort = Population(model, design, part.name).of(range(n), seed, study)
-        for person, order in enumerate(cohort.order):
+        cohort = cohort_of(model, design, part.name, range(n), seed)
+        for person, order in enumerate(cohort.order[..., 0]):
             shown = [part.conditions[number] for number in order]
             for trial, condition in enumerate(shown):
                 about = {
@@ -111,7 +138,7 @@ def unlimited(design: Design) -> Design:
 def per_condition(cohort: Cohort, scale: str) -> np.ndarray:
     """(n, conditions) means of each person's answers over the repeats."""
     values = cohort.answers[scale]
-    found = [np.where(cohort.order == k, values, np.nan) for k in range(len(cohort.part.conditions))]
+    found = [np.where(cohort.order[..., 0] == k, values, np.nan) for k in range(len(cohort.names))]
     with np.errstate(invalid="ignore"):
         sums, counts = np.nansum(found, axis=2), (~np.isnan(found)).sum(axis=2)
         return np.where(counts, sums / counts, np.nan).T
@@ -119,7 +146,6 @@ def per_condition(cohort: Cohort, scale: str) -> np.ndarray:
 
 def differences(cohort: Cohort, scale: Scale, comparison: Comparison) -> np.ndarray:
     """How much better `better` was rated than the baseline, by each who rated both."""
-    names = [condition.name for condition in cohort.part.conditions]
-    rated = per_condition(cohort, scale.name)
+    rated, names = per_condition(cohort, scale.name), cohort.names
     out = rated[:, names.index(comparison.baseline)] - rated[:, names.index(comparison.better)]
     return (out if scale.low_is_good else -out)[~np.isnan(out)]

@@ -21,7 +21,6 @@ from statsmodels.stats.anova import anova_lm
 from hmdwarp.errors import InputError
 from hmdwarp.study.analysis.findings import (
     Resampling,
-    copied_rows,
     families_for,
     load_claims,
     order_effects,
@@ -107,18 +106,6 @@ def test_scales_come_as_the_plan_has_them_whatever_was_answered_first():
     rows = [row for scale in (ACR, GRADE) for row in ratings_of({"x": [4.0]}, measure=scale).rows.to_dict("records")]
     scales = {"grade": GRADE, "acr": ACR, "slider": ScaleInfo("slider", "Other", low_is_good=False)}
     assert Ratings(rows, scales).rated_scales() == ["grade", "acr"]
-
-
-def test_a_rating_of_minus_one_is_not_a_missing_one():
-    """On a scale from -3 to 3, as that of comparison category rating."""
-    for second, found in (((None, None, 2), 0), ((-1, -1, 2), 1)):
-        parts = {"one": (-1, -1, 2), "two": second}
-        rows = [
-            row
-            for part, values in parts.items()
-            for row in ratings_of({f"c{k}": [v] for k, v in enumerate(values)}, part).rows.to_dict("records")
-        ]
-        assert len(copied_rows(Ratings(rows, {"grade": GRADE}), "grade", 1)) == found
 
 
 def test_an_analysis_states_scores_and_votes():

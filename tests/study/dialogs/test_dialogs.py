@@ -17,9 +17,8 @@ from hypothesis import strategies as st
 from scipy import ndimage
 from together import together
 
-from hmdwarp.display import MAX_HEIGHT_M, MAX_WIDTH_M, Notices
-from hmdwarp.display.desktop import window_view
-from hmdwarp.display.present import KEPT
+from hmdwarp.display import MAX_HEIGHT_M, MAX_WIDTH_M, Presenter
+from hmdwarp.display.desktop import WindowView
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
 from hmdwarp.study.design import Ask
@@ -43,7 +42,6 @@ from hmdwarp.study.dialogs.dialog_panels import (
     TextDialog,
     layout_of,
     message_panel,
-    trial_panel,
     width_of,
     wrapped,
 )
@@ -357,35 +355,20 @@ def test_a_button_s_text_keeps_clear_of_its_edges():
 
 
 def test_a_panel_lies_in_the_middle_and_a_text_at_the_bottom(gpu):
-    notices, size = Notices(gpu.gl), (600, 800)
+    presenter, size = Presenter(gpu), (600, 800)
     try:
-        panel, text = notices.of(panel_of(SHIPPED[0])), notices.of("tracking lost")
+        panel, text = presenter.notice(panel_of(SHIPPED[0])), presenter.notice("tracking lost")
         middle = panel.uv_from_pixel(size, None) @ (300, 400, 1)
         assert np.allclose(middle, (0.5, 0.5, 1), atol=1 / panel.ink.height)  # to the pixel
         assert (text.uv_from_pixel(size, None) @ (300, 400, 1))[1] > 1  # above it
-        eye = window_view("both", load_headset("rift-dk1"), None).eyes.views(Pose((0, 1.6, 0)))[0]
-        tall = notices.of(panel_of(next(scale for scale in SHIPPED if scale.name == "misc")))
+        eye = WindowView("both", load_headset("rift-dk1"), None).eyes.views(Pose((0, 1.6, 0)))[0]
+        tall = presenter.notice(panel_of(next(scale for scale in SHIPPED if scale.name == "misc")))
         for notice in (panel, tall):
             corners = [notice.uv_from_pixel((640, 800), eye) @ (x, y, 1) for x in (0, 640) for y in (0, 800)]
             uv = np.array([corner[:2] / corner[2] for corner in corners])
             assert uv.min(axis=0).max() < 0 and uv.max(axis=0).min() > 1, "an eye sees all of it"
     finally:
-        notices.close()
-
-
-def test_a_marker_that_moves_leaves_no_textures_behind(gpu):
-    """A hundred panels; no more than KEPT stay."""
-    notices, asked = Notices(gpu.gl), asked_of(next(scale for scale in SHIPPED if scale.name == "slider"))
-    try:
-        asked.handle(said("left"))
-        for number in range(100):
-            asked.handle(said("right" if number < 40 else "left"))
-            panel = asked.panel()
-            assert panel == asked.panel() and hash(panel) == hash(asked.panel())
-            assert notices.of(panel) is notices.of(asked.panel())
-        assert len(notices._kept) == KEPT
-    finally:
-        notices.close()
+        presenter.close()
 
 
 @given(st.sampled_from([40, 200, 636]), st.text(alphabet="ab cdefg\n", max_size=200))
@@ -397,9 +380,8 @@ def test_wrapped_text_fits_and_loses_nothing(width, text):
 
 def test_cards_are_drawn():
     message = message_panel("A title", "some text " * 30, "a hint")
-    for made in (message, trial_panel(3, 12), trial_panel(0, 12), MenuDialog().panel(), ConsentDialog("x").panel()):
+    for made in (message, message_panel("Trial 3 of 12"), MenuDialog().panel(), ConsentDialog("x").panel()):
         ink = made.ink()
         assert ink.shape == (made.height(), WIDTH) and ink.max() == 255
         assert hash(made) == hash(attrs.evolve(made))
-    assert not trial_panel(3, 12).pointed and MenuDialog().panel().pointed
-    assert trial_panel(3, 12).title == "Trial 3 of 12"
+    assert not message.pointed and MenuDialog().panel().pointed

@@ -32,11 +32,11 @@ from hmdwarp.study.export.write import (
     NUMBER,
     Column,
     ExportOptions,
-    Rates,
     columns_for,
     csv_text,
     export,
     field_text,
+    motion_json,
     motion_text,
     settings_row,
     tsv_text,
@@ -120,14 +120,14 @@ def test_both_tables_say_the_same_and_parquet_can_be_searched(made):
 def test_rates_tell_how_uneven_samples_are():
     steps = np.random.default_rng(1).integers(10_500_000, 11_700_000, 399)
     track = PoseTrack(np.concatenate([[0], np.cumsum(steps)]), np.zeros((400, 3)), np.tile([0.0, 0, 0, 1], (400, 1)))
-    rates = Rates.of(track)
-    assert rates.nominal_hz == pytest.approx(1e9 / np.median(steps))
-    assert rates.effective_hz == pytest.approx(399e9 / steps.sum())
-    # Steps are even between 10.5 and 11.7 ms: one tenth of that range lies more than 0.555 ms from
-    # its middle, half of it on either side.
-    assert 0.02 < rates.uneven < 0.15
+    rates = motion_json(track, {}, {})
+    assert rates["SamplingFrequency"] == pytest.approx(1e9 / np.median(steps))
+    assert rates["SamplingFrequencyEffective"] == pytest.approx(399e9 / steps.sum())
+    off = np.abs(steps / np.median(steps) - 1) > 0.05
+    assert f"{off.mean():.1%} of the steps" in rates["SamplingDescription"] and 0 < off.mean() < 1
+    assert f"longest is {steps.max() * 1e-9:.4f} s" in rates["SamplingDescription"]
     even = track.evolve(time_ns=np.arange(400) * 11_111_111, max_gap_ns=10**9)
-    assert Rates.of(even).uneven == 0 and "0.0%" in Rates.of(even).describe()
+    assert ": 0.0% of" in motion_json(even, {}, {})["SamplingDescription"]
     assert motion_text(even).splitlines()[1].startswith("0.011111\t")
 
 

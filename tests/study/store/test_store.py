@@ -8,7 +8,6 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-import sqlite3
 
 import numpy as np
 import pytest
@@ -73,14 +72,6 @@ def test_names_of_traces_identify_no_one_and_are_of_traces_that_came_to_be(store
     assert all(re.fullmatch(r"[a-z0-9]{12}_ses-1_trial-\d+_1\.csv", name) for name in paths)
     showing = store.end_showing(session, store.begin_showing(session, shows(session)[0], {}), {}, complete=False)
     assert showing.trace == "" and not showing.complete
-
-
-def test_the_file_itself_refuses_a_doubled_rating(store):
-    session = begun(store)
-    store.answer(session, asks(session)[0], 3, 2.0, "participant")
-    columns = "session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc"
-    with pytest.raises(sqlite3.IntegrityError, match="UNIQUE"):
-        store._db.execute(f"INSERT INTO answer ({columns}) SELECT {columns} FROM answer")
 
 
 def test_what_no_session_can_be_told_is_a_fault_of_ours(store):

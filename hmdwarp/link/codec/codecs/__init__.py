@@ -23,14 +23,10 @@ class Codec:
     # FFmpeg's names, "" for a codec that does nothing.
     encoder: str = ""
     decoder: str = ""
-    # The default constant-quality setting.
-    crf: int = 0
-    # The best one that it takes.
-    best: int = 0
-    # Fixed, because the slices, and so the bytes, depend on it.
-    threads: int = 1
-    # Of the encoder, besides quality.
-    options: Mapping[str, str] = attrs.field(factory=dict)
+    crf: int = 0  # the default constant-quality setting
+    best: int = 0  # the best one that it takes
+    threads: int = 1  # fixed, because the slices, and so the bytes, depend on it
+    options: Mapping[str, str] = attrs.field(factory=dict)  # of the encoder, besides quality
     # What is otherwise for pictures of more than LARGE pixels.
     large: Mapping[str, str] = attrs.field(factory=dict)
 

@@ -535,7 +535,6 @@ def images_in(folder: Path, endings: Rows[str] = PICTURES) -> list[Path]:
     return sorted(found, key=lambda path: [(int(p), "") if are_digits(p) else (-1, p) for p in words[path]])
 
 
-RIGHT = "right"  # folder of what the right eye saw, in that of the left one
 _NAMED = 6  # files of a folder that no reader knows
 
 
@@ -569,13 +568,6 @@ def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -
     if floor_db is not None and (type(floor_db) not in (int, float) or not 0 < floor_db < math.inf):
         raise InputError(f"{path}: noise_floor_db is {floor_db!r}; expected a positive number of dB")
     sequence = attrs.evolve(reader.read(place, options), noise_floor_db=floor_db)
-    if (place / RIGHT).is_dir():
-        right = reader.read(place / RIGHT, options)
-        times = [[frame.time_ns for frame in side.frames] for side in (sequence, right)]
-        if times[0] != times[1] or sequence.frames[0].size != right.frames[0].size:
-            what = "instants" if times[0] != times[1] else "pixels"
-            raise InputError(f"{right.path}: frames of other {what} than those of {sequence.path}; expected the same")
-        sequence = attrs.evolve(sequence, right=right)
     mask = options.hidden or place / MASK
     if options.hidden or mask.is_file():
         sequence = sequence.masked(mask)
