@@ -16,7 +16,6 @@ import contexts
 import needs
 import properties  # noqa: F401 (loads the profile of Hypothesis before any test is read)
 import pytest
-from progress import Progress
 
 # Two workers share two cores, and pictures are small: threads of llvmpipe, BLAS and OpenMP (FLIP)
 # cost more in waiting for each other than they do. Set before any of them is loaded.
@@ -75,11 +74,28 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.fixture(scope="module", autouse=True)
-def what_modules_leave_is_frozen():
-    """Freeze also what the tests of a module have imported and keep, where that is much."""
+def what_modules_leave_is_frozen_or_freed():
+    """Freeze what a module's tests have imported and keep; free textures that none of them has."""
     yield
     if len(gc.get_objects(generation=2)) > FREEZE_AT:
         _freeze()
+    if (shared := _current_gpu()) is not None:
+        gc.collect()
+        shared.forget_released()
+        shared.give_back_memory()
+
+
+@pytest.fixture(autouse=True)
+def what_a_test_drew_with_is_closed():
+    """Close the scenes of clients that a test made, and free what it dropped on the GPU."""
+    made = sys.modules.get("client_scene")
+    before = len(made.ClientScene.open_ones) if made else 0
+    yield
+    if made := sys.modules.get("client_scene"):
+        for one in made.ClientScene.open_ones[before:]:
+            one.close()
+    if (shared := _current_gpu()) is not None:
+        shared.forget_released()
 
 
 def _freeze() -> None:
@@ -120,9 +136,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--quick", action="store_true", help="Run one case of each test of the quick parts: see QUICK.")
 
 
-@pytest.hookimpl(trylast=True)  # the terminal is there by then
-def pytest_configure(config: pytest.Config) -> None:
-    """Show progress, and take signals as under a terminal.
+def pytest_configure() -> None:
+    """Take signals as under a terminal.
 
     Under nohup, or in the background of a script, they are ignored, and so they would be in every
     program that a test starts and then interrupts.
@@ -130,8 +145,6 @@ def pytest_configure(config: pytest.Config) -> None:
     for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
         if signal.getsignal(number) is signal.SIG_IGN:
             signal.signal(number, usual)
-    if not hasattr(config, "workerinput") and config.pluginmanager.has_plugin("terminalreporter"):
-        config.pluginmanager.register(Progress(config), "progress-of-tests")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -168,31 +168,6 @@ def damaged_zip(data: bytes, rng: random.Random) -> bytes:
     return out.getvalue()
 
 
-def damaged_npy(data: bytes, rng: random.Random) -> bytes:
-    """Return the array with its header or a number of it replaced."""
-    begin = 10
-    end = begin + int.from_bytes(data[8:10], "little")
-    head, body = data[begin:end], data[end:]
-    if rng.random() < 0.6:
-        types = [
-            b"<f4", b"<f8", b"<f2", b"|u1", b"<u2", b"<i8", b"<c8", b"|O", b"<U4", b"|b1", b"|V4", b"<M8[ns]",
-            b">f8",
-        ]  # fmt: skip
-        if rng.random() < 0.5:
-            head = re.sub(rb"'descr': '[^']*'", b"'descr': '" + rng.choice(types) + b"'", head)
-        else:
-            head = damaged_text(head, rng)[:60_000]
-    else:
-        kind = np.dtype(re.search(rb"'descr': '([^']*)'", head)[1].decode())
-        numbers = np.frombuffer(body[: len(body) // kind.itemsize * kind.itemsize], kind).copy()
-        if kind.kind == "f" and numbers.size:
-            share = rng.choice([numbers.size, 1])
-            with np.errstate(over="ignore"):
-                numbers[:share] = rng.choice([*FLOATS, -1.0])
-        body = numbers.tobytes()
-    return data[:8] + len(head).to_bytes(2, "little") + head + body
-
-
 def damaged_png(data: bytes, rng: random.Random) -> bytes:
     """Return the picture with a chunk damaged, moved or gone; checksums fit."""
     chunks, at = [], 8
@@ -228,69 +203,6 @@ def damaged_glb(data: bytes, rng: random.Random) -> bytes:
     return struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
 
 
-def damaged_exr(data: bytes, rng: random.Random) -> bytes:
-    """Return the picture with the value of one attribute of its header damaged; lengths fit."""
-    attributes, at = [], 8
-    while data[at]:
-        kind_at = data.index(b"\0", at) + 1
-        size_at = data.index(b"\0", kind_at) + 1
-        end = size_at + 4 + int.from_bytes(data[size_at : size_at + 4], "little")
-        attributes.append((data[at:size_at], data[size_at + 4 : end]))
-        at = end
-    k = rng.randrange(len(attributes))
-    name, value = attributes[k]
-    match rng.randrange(6):
-        case 0:
-            del attributes[k]
-        case 1:
-            attributes.append((b"x" + name, value))
-        case _:
-            attributes[k] = name, damaged_bytes(value, rng)
-    head = b"".join(name + struct.pack("<I", len(value)) + value for name, value in attributes)
-    # The table of offsets follows, up to where the first one points: each moves with the header.
-    rest, moved = data[at + 1 :], 8 + len(head) - at
-    count = min(max(0, (int.from_bytes(rest[:8], "little") - at - 1) // 8), 4096)
-    table = b"".join(struct.pack("<Q", int.from_bytes(rest[8 * i : 8 * i + 8], "little") + moved) for i in range(count))
-    return data[:8] + head + b"\0" + table + rest[8 * count :]
-
-
-def damaged_mcap(data: bytes, rng: random.Random) -> bytes:
-    """Return the recording with a record damaged, in a chunk too; lengths fit, no checksums."""
-    records = [list(record) for record in _records(data[8:-8])]
-    # Without the summary, whose offsets would no longer fit: up to the end of data, and a footer.
-    records = records[: 1 + [kind for kind, _ in records].index(15)]
-    inside = [record for record in records if record[0] == 6]
-    one = rng.choice(records)
-    if inside and rng.random() < 0.7:
-        one = rng.choice(inside)
-        name_length = int.from_bytes(one[1][28:32], "little")
-        packed = one[1][40 + name_length :]
-        if one[1][32 : 32 + name_length] == b"zstd":
-            import zstandard
-
-            packed = zstandard.ZstdDecompressor().decompress(packed, int.from_bytes(one[1][16:24], "little"))
-        inner = [list(record) for record in _records(packed)]
-        damage = rng.choice(inner)
-        damage[1] = (damaged_bytes if rng.random() < 0.5 else damaged_text)(damage[1], rng)
-        body = _packed(inner)
-        one[1] = one[1][:16] + struct.pack("<QIIQ", len(body), 0, 0, len(body)) + body
-    else:
-        one[1] = damaged_bytes(one[1], rng)
-    return data[:8] + _packed([*records, [2, bytes(20)]]) + data[-8:]
-
-
-def _records(data: bytes) -> Iterator[tuple[int, bytes]]:
-    at = 0
-    while at + 9 <= len(data):
-        length = int.from_bytes(data[at + 1 : at + 9], "little")
-        yield data[at], data[at + 9 : at + 9 + length]
-        at += 9 + length
-
-
-def _packed(records: list[list[Any]]) -> bytes:
-    return b"".join(bytes([kind]) + struct.pack("<Q", len(body)) + body for kind, body in records)
-
-
 def damaged_sqlite(data: bytes, rng: random.Random) -> bytes:
     """Return the database with one value of one row replaced."""
     base = sqlite3.connect(":memory:")
@@ -321,11 +233,8 @@ def damaged_message(data: bytes, rng: random.Random) -> bytes:
 
 STRUCTURED: list[tuple[bytes, Callable[[bytes, random.Random], bytes]]] = [
     (b"PK\x03\x04", damaged_zip),
-    (b"\x93NUMPY", damaged_npy),
     (b"\x89PNG", damaged_png),
     (b"glTF", damaged_glb),
-    (b"\x76\x2f\x31\x01", damaged_exr),
-    (b"\x89MCAP0", damaged_mcap),
     (b"SQLite format 3\0", damaged_sqlite),
     (b"HWFD", damaged_message),
     (b"{", damaged_json),
@@ -385,9 +294,16 @@ def _trace(path: Path, rng: Rng, stated: dict[str, Any] | None = None) -> None:
     analyse(track, latencies_ms=(20,))
 
 
+SAMPLES = {
+    "unity": "vectors-unity-in-quotes.csv", "iwer": "iwer.json", "json": "json-columns-and-data.json",
+    "motive": "motive.csv", "qualisys": "qualisys.tsv", "unreal": "unreal-rotator.csv", "eyenavgs": "eyenavgs.csv",
+    "browser": "browser.json", "bids": "bids-quaternions",
+}  # fmt: skip
+
+
 def _traces() -> Iterator[tuple[str, Target]]:
     from poses import layouts
-    from poses.traces import head, rows, save, write
+    from poses.traces import head, rows, save
     from recorded_folders import taken, write_colmap
     from ros_bags import BEGINS_NS
 
@@ -397,49 +313,27 @@ def _traces() -> Iterator[tuple[str, Target]]:
     def reads(name: str = "trace*", stated: dict[str, Any] | None = None) -> Callable[[Path, Rng], None]:
         return lambda folder, rng: _trace(the_file(folder, name), rng, stated)
 
-    track, table = head(60), rows(head(60), "wxyz")
+    track = head(60)
     for layout in layouts.LAYOUTS:
         yield f"trace {layout.name}", Target(partial(_layout, layouts, layout, track), reads("*", layout.stated))
-    for form in formats:
-        if form.writes:
-            needs = "mcap" if form.name == "mcap" else None
-            there = track.evolve(epoch_ns=BEGINS_NS)
-            yield (
-                f"trace {form.name}",
-                Target(lambda folder, n=form.name, t=there: save(t, folder / f"trace.{n}", n), reads(), needs),
-            )
+    for form in (form for form in formats if form.writes):
+        there, needs = track.evolve(epoch_ns=BEGINS_NS), "mcap" if form.name == "mcap" else None
+        saves = partial(lambda name, there, folder: save(there, folder / f"trace.{name}", name), form.name, there)
+        yield f"trace {form.name}", Target(saves, reads(), needs)
+    table = rows(track, "wxyz")
     texts = {
-        "multi": "\n".join(["timestamp viewpoint w x y z"] + [" ".join([r[0], "0", *r[4:]]) for r in table]),
-        "frames": "\n".join(" ".join([r[0], str(i), *r[4:]]) for i, r in enumerate(table)),
-        "ticks": "\n".join(",".join([str(638 * 10**15 + i * 166667), *r[1:]]) for i, r in enumerate(table)),
-        "commas": "\n".join(
-            ["Device;Time;PosX;PosY;PosZ;QuatW;QuatX;QuatY;QuatZ"]
-            + [";".join([str(i % 2), *r]).replace(".", ",") for i, r in enumerate(table)]
-        ),
-        "recording": (resources.folder("recordings") / "walk.csv").read_text()[:20_000],
+        "multi": ["timestamp viewpoint w x y z", *(" ".join([r[0], "0", *r[4:]]) for r in table)],
+        "frames": [" ".join([r[0], str(i), *r[4:]]) for i, r in enumerate(table)],
+        "ticks": [",".join([str(638 * 10**15 + i * 166667), *r[1:]]) for i, r in enumerate(table)],
+        "recording": [(resources.folder("recordings") / "walk.csv").read_text()[:20_000]],
     }
-    for name, text in texts.items():
-        stated = {"quat_order": "wxyz"} if name == "ticks" else None
-        yield f"trace {name}", Target(partial(_text, text), reads(stated=stated))
-    for name, sample in {
-        **{"unity": "vectors-unity-in-quotes.csv", "iwer": "iwer.json", "json": "json-columns-and-data.json"},
-        **{"motive": "motive.csv", "qualisys": "qualisys.tsv", "unreal": "unreal-rotator.csv"},
-        **{"eyenavgs": "eyenavgs.csv", "browser": "browser.json"},
-    }.items():
-        yield f"trace {name}", Target(partial(_copy, sample), reads("*"))
-    yield (
-        "trace colmap",
-        Target(lambda folder: write_colmap(folder, taken(3)), reads("sparse/0/images.txt", {"rate": 90.0})),
-    )
-    yield (
-        "trace named",
-        Target(lambda folder: write(folder / "trace.csv", rows(track), "t,x,y,z,qx,qy,qz,qw"), reads()),
-    )
-    yield "trace bids", Target(partial(_copy, "bids-quaternions"), reads("*motion.tsv"))
-
-
-def _text(text: str, folder: Path) -> None:
-    (folder / "trace.csv").write_text(text, encoding="utf-8")
+    for name, lines in texts.items():
+        writes = partial(lambda text, folder: (folder / "trace.csv").write_text(text), "\n".join(lines))
+        yield f"trace {name}", Target(writes, reads(stated={"quat_order": "wxyz"} if name == "ticks" else None))
+    for name, sample in SAMPLES.items():
+        yield f"trace {name}", Target(partial(_copy, sample), reads("*motion.tsv" if name == "bids" else "*"))
+    images = reads("sparse/0/images.txt", {"rate": 90.0})
+    yield "trace colmap", Target(lambda folder: write_colmap(folder, taken(3)), images)
 
 
 def _layout(layouts: Any, layout: Any, track: Any, folder: Path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import json
-import random
 import re
 import sqlite3
 
@@ -71,27 +70,6 @@ def test_what_was_found_is_refused_in_one_line(found, tmp_path, capfd):
     assert damaged != valid and fuzz.read(target, tmp_path, None) == fuzz.REFUSED
     printed = capfd.readouterr()
     assert printed.out.count("\n") == 1 and not printed.err
-
-
-def test_damage_gets_past_lengths_and_checksums():
-    """Half of the damaged containers or more can still be opened as such."""
-    import io
-    import zipfile
-
-    import numpy as np
-    from PIL import Image
-    from scenes.glb import Glb
-
-    opened, rng = {"npz": 0, "png": 0}, random.Random(1)
-    packed, picture = io.BytesIO(), io.BytesIO()
-    np.savez(packed, colour=np.ones((4, 4, 3)))
-    Image.new("RGB", (4, 4)).save(picture, "PNG")
-    for _ in range(50):
-        archive = zipfile.ZipFile(io.BytesIO(fuzz.damaged_zip(packed.getvalue(), rng)))
-        opened["npz"] += archive.testzip() is None
-        opened["png"] += fuzz.damaged_png(picture.getvalue(), rng)[:4] == b"\x89PNG"
-        assert fuzz.damaged_glb(Glb().data(), rng)[:4] == b"glTF"
-    assert min(opened.values()) == 50
 
 
 def test_every_reader_of_a_registry_has_a_target(tmp_path, monkeypatch):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from golden_pictures import GREY_LEVELS, assert_golden, difference, names_in
+from golden_pictures import assert_golden, names_in
 from numpy.typing import NDArray
 from replays import each_refresh, small
 
@@ -73,11 +73,3 @@ def test_looks_as_before(name, tmp_path):
 
 def test_every_golden_picture_is_of_a_loop():
     assert names_in("") == set(LOOPS)
-
-
-@pytest.mark.parametrize("name", ["planes-planar-none-none"])
-def test_a_change_is_noticed(name):
-    """One pixel's shift, or 1 % more light, is far beyond the tolerance."""
-    picture = shown(LOOPS[name])
-    for changed in (np.roll(picture, 1, axis=1), np.clip(picture * 1.03, 0, 255).astype(np.uint8)):
-        assert (difference(changed, picture).max(axis=-1) > GREY_LEVELS).mean() > 10 * MOVED_SHARE

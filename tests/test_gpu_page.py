@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import gpu_tables
-import pages
-import pytest
 import whole_gpu
 
 SIZES = ((1280, 800), (2064, 2208))
@@ -45,27 +41,6 @@ def test_a_page_has_times_both_paths_and_what_was_left_out():
     assert "| `forward:path=atomic64` | 1.00 (2.00) | 1.00 (2.00) |" in page
     assert "1.000 ms against 2.000 at 1280x800 (0.50 of it)" in page
     assert "a table" in page and "a ratio" in page and "- live 2: no time" in page
-
-
-@pytest.fixture
-def page(tmp_path, monkeypatch) -> Path:
-    """docs/gpu.md, apart."""
-    made = tmp_path / "gpu.md"
-    made.write_text("# GPUs\n\n## Old\n\n<!-- gpu Old -->\nold\n<!-- end -->\n\nA remark.\n", encoding="utf-8")
-    monkeypatch.setattr(gpu_tables, "PAGE", made)
-    monkeypatch.setattr(pages, "PAGES", (made,))
-    return made
-
-
-def test_a_gpu_is_filed_by_its_name_and_renewed_in_its_place(page):
-    gpu_tables.file_section(gpu_json())
-    first = page.read_text(encoding="utf-8")
-    assert first.startswith("# GPUs") and "old" in first and first.count("## NVIDIA Some GPU\n") == 1
-    gpu_tables.file_section(gpu_json(warps={"forward": 3.0}))
-    again = page.read_text(encoding="utf-8")
-    assert again.count("## NVIDIA Some GPU\n") == 1 and "3.00" in again and "atomic64" not in again
-    gpu_tables.file_section(gpu_json("Old"))
-    assert "old\n" not in page.read_text(encoding="utf-8") and "A remark." in page.read_text(encoding="utf-8")
 
 
 def test_parts_without_time_left_are_named(tmp_path):

@@ -21,7 +21,6 @@ from PIL import Image
 from recorded_folders import HAS_EXR, LAYOUTS, Form, taken
 from ros_bags import BEGINS_NS, FORMS, HAS_ROSBAGS, Messages, form_of, write_bag
 
-import hmdwarp
 from hmdwarp.client.classes import load_client
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import MergeOptions, merge
@@ -33,7 +32,6 @@ from hmdwarp.pipeline.levels import read_rows
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.reading import pose_messages as bags
 from hmdwarp.poses.reading import text_table
-from hmdwarp.resources import folder as shipped
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources import sequences
 from hmdwarp.sources.feed.options import public_key, secret_in
@@ -116,13 +114,6 @@ def test_a_file_that_the_user_names_is_plain_and_of_bounded_size(name, what, tmp
     called, read = READERS[name]
     OTHERS[what](tmp_path / called)
     refused(lambda: read(tmp_path / called), what)
-
-
-def test_a_file_that_the_user_names_may_lie_anywhere(tmp_path):
-    (tmp_path / "elsewhere").mkdir()
-    shutil.copy(shipped("recordings") / "walk.csv", tmp_path / "elsewhere" / "walk.csv")
-    (tmp_path / "link.csv").symlink_to(tmp_path / "elsewhere" / "walk.csv")
-    assert len(load_trace(tmp_path / "link.csv").track) == len(load_trace("walk").track)
 
 
 def test_a_file_that_grows_while_it_is_read_is_refused(tmp_path):
@@ -319,20 +310,11 @@ def obj_with_picture(folder: Path, name: str) -> Path:
     return obj_naming(folder, "own.mtl")
 
 
-def ply_with_picture(folder: Path, name: str) -> Path:
-    head = f"ply\nformat ascii 1.0\ncomment TextureFile {name}\nelement vertex 3\n"
-    head += "".join(f"property float {axis}\n" for axis in "xyz")
-    head += "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
-    (folder / "scene.ply").write_text(f"{head}0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
-    return folder / "scene.ply"
-
-
 SCENES = {
     "buffer": (gltf_naming, "beside.bin"),
     "picture": (gltf_with_picture, "beside.png"),
     "materials": (obj_naming, "beside.mtl"),
     "picture of materials": (obj_with_picture, "beside.png"),
-    "picture of a ply": (ply_with_picture, "beside.png"),
 }
 
 
@@ -380,29 +362,3 @@ def test_a_study_names_files_of_its_own_folder_alone(key, name, tmp_path):
     (tmp_path / "study").mkdir()
     for value in (f"../{name}", str(tmp_path / name)):
         refused(lambda value=value: resolve_paths(tmp_path / "study", {key: value}), key, "lies outside")
-
-
-def test_what_a_study_names_is_checked_again_when_it_is_opened(tmp_path):
-    """It may be put in another's place between the two."""
-    (tmp_path / "study").mkdir()
-    inside, outside = tmp_path / "study" / "mine.toml", tmp_path / "secret.toml"
-    shutil.copy(Path(hmdwarp.__file__).parent / "headsets" / "rift-dk1.toml", inside)
-    shutil.copy(inside, outside)
-    named = str(resolve_paths(tmp_path / "study", {"headset": "mine.toml"})["headset"])
-    load_headset(named)
-    inside.unlink()
-    inside.symlink_to(outside)
-    refused(lambda: load_headset(named), "lies outside", "--allow-outside")
-
-
-@pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed")
-@pytest.mark.parametrize("name", ["ros1", "ros2_mcap"])
-def test_a_bag_is_opened_as_other_files_are(name, tmp_path, monkeypatch):
-    """Also where what is checked first is another file than what is read then."""
-    form = FORMS[name]
-    form.write(tmp_path, FRAMES)
-    path = next(iter(sorted(path for path in tmp_path.rglob("*") if path.suffix in (".bag", ".mcap", ".db3"))))
-    monkeypatch.setattr(bags, "_check_plain", lambda path: None)
-    path.unlink()
-    os.mkfifo(path)
-    refused(lambda: bags.Bag(path), "is a pipe")

@@ -5,20 +5,15 @@ Shaders, textures, bytes and dispatches are counted.
 
 from __future__ import annotations
 
-import ast
-
-import attrs
 import pytest
 from costs import Costs, costs_of
 
 from hmdwarp.client.effects import effects
 from hmdwarp.frames.layers import layers
-from hmdwarp.resources import folder
 from hmdwarp.scenes import load_scene, scenes
 
 SCENES = scenes.names()
 PLAIN = [name for name in SCENES if not scenes.get(name).effects]
-LONG_NAMES = {name for name in effects.names() if "_" in name}  # a layer is called "overlay" too
 CALLING = [name for name in SCENES if scenes.get(name).effects]
 # All that a plain scene may compile for warp `forward:path=portable` and fill `interpolate`. The
 # path is named because GPUs with 64-bit atomics would take the other.
@@ -106,49 +101,10 @@ def test_a_forced_effect_runs_its_pass_on_a_scene_that_has_nothing_of_it(name):
         assert forced.sent >= plain.sent
 
 
-@pytest.mark.parametrize("name", sorted(ASKED_WHERE_IT_IS))
-def test_effects_that_a_scene_lacks_cost_nothing_even_if_named(name):
-    assert costs_of(scene="planes", effects=name) == costs_of(scene="planes", effects="auto")
-
-
-def test_every_effect_says_what_it_does():
-    assert len({effect.order for effect in effects}) == len(effects.names())
-    for effect in effects:
-        assert effect.summary and effect.without and effect.source
-        assert effect.refines == "" or effect.refines in effects.names()
-
-
 def test_every_effect_has_a_scene_that_calls_for_it():
     assert {effect for name in SCENES for effect in scenes.get(name).effects} == {
         effect.name for effect in effects if not effect.by_name_only
     }
-
-
-def names_effects(tree: ast.AST) -> list[int]:
-    """Lines that hold an effect's long name, or that compare anything but needs with any name."""
-    lines = []
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and node.value in LONG_NAMES:
-            lines.append(node.lineno)
-        elif isinstance(node, ast.Compare):
-            sides = [node.left, *node.comparators]
-            named = any(isinstance(side, ast.Constant) and side.value in effects.names() for side in sides)
-            if named and not any(ast.unparse(side).endswith("needs") for side in sides):
-                lines.append(node.lineno)
-    return lines
-
-
-def test_an_effect_is_named_only_where_it_is_declared_and_compensated():
-    """A test for a name elsewhere would be a second opinion of what is to be done."""
-    root = folder("shaders").parent / "hmdwarp"
-    own = ("client/effects/", "scenes/library/", "client/strategies/")
-    found = [
-        f"{path.relative_to(root)}:{line}"
-        for path in sorted(root.rglob("*.py"))
-        if "_data" not in path.parts and not path.relative_to(root).as_posix().startswith(own)
-        for line in names_effects(ast.parse(path.read_text(encoding="utf-8")))
-    ]
-    assert not found, found
 
 
 def _passes(costs: Costs) -> int:
@@ -158,19 +114,3 @@ def _passes(costs: Costs) -> int:
 def _with_what_it_refines(name: str) -> str:
     refines = effects.get(name).refines
     return f"{name},{refines}" if refines else name
-
-
-def test_the_counters_count():
-    """Else the tests above would compare nothing with nothing."""
-    costs = costs_of(scene="planes", warp=PORTABLE)
-    assert all(costs.made.get(kind) for kind in ("texture", "buffer", "framebuffer", "vertex_array"))
-    assert costs.work["ComputeShader.run"] >= 2 * 3 and costs.work["VertexArray.render"] >= 2 * 2
-    assert costs != attrs.evolve(costs, sent=0)
-
-
-def test_a_grid_of_voxels_is_paid_by_those_who_ask_for_it():
-    """Frames weigh the same: the light is in the picture."""
-    without, grid = (costs_of(scene="lantern", indirect=light) for light in ("converged", "voxels:size=16"))
-    assert not {path for path in without.shaders if "voxel" in path}
-    assert {"cloudlight/voxel_direct.comp", "cloudlight/voxel_fill.comp", "cloudlight/voxel_look.comp"} <= grid.shaders
-    assert grid.layers == without.layers and grid.sent == without.sent

@@ -14,7 +14,6 @@ import shlex
 import socket
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 from urllib.request import HTTPCookieProcessor, build_opener
 
@@ -24,13 +23,6 @@ from commands import hmdwarp
 from display.virtual_screen import VirtualScreen
 from serving import Serving
 from study.session.conftest import hurry
-from typer.main import get_command
-
-from hmdwarp import load_trace
-from hmdwarp.cli._app import app
-from hmdwarp.headsets import load_headset
-from hmdwarp.metrics import LEAST_INSTANTS
-from hmdwarp.run import RunOptions
 
 ROOT = Path(__file__).resolve().parents[1]
 TOP = (ROOT / "README.md", ROOT / "CONTRIBUTING.md")
@@ -158,44 +150,6 @@ def _untracked(names: list[str]) -> list[str]:
     return [name for name in names if name not in ignored.stdout.splitlines()]
 
 
-def test_the_front_page_replays_long_enough_for_intervals():
-    """Three measured refreshes have none, and its table said so."""
-    (line,) = [line for kind, text in BLOCKS["README.md"] for line in text.splitlines() if "hmdwarp replay" in line]
-    words = line.split()
-    said = {name: words[words.index(name) + 1] for name in ("--seconds", "--metrics-every")}
-    refreshes = float(said["--seconds"]) * load_headset("rift-dk1").refresh_hz
-    assert refreshes / int(said["--metrics-every"]) >= LEAST_INSTANTS
-
-
-def test_the_front_page_knows_how_long_all_of_the_recording_is():
-    (seconds,) = re.findall(r"`SECONDS=all` replays all (\d+) s", PAGES["README.md"])
-    assert load_trace("look-around").track.duration_ns == int(seconds) * 10**9
-
-
-FORMATS = {  # page: files of that format that are part of the package
-    "response-models.md": "study/respondents/*.toml",
-    "scales.md": "study/scales/*.toml",
-    "headsets.md": "headsets/*.toml",
-}
-
-
-def keys_of(table: dict[str, object]) -> set[str]:
-    """Return every key of a file, but for the names and answers that its author chooses."""
-    found = set(table)
-    for key, value in table.items():
-        inner = list(value.values()) if key == "rating" else value if isinstance(value, list) else [value]
-        for part in inner:
-            found |= keys_of(part) if isinstance(part, dict) and key not in ("means", "anchors") else set()
-    return found
-
-
-@pytest.mark.parametrize("page", FORMATS)
-def test_a_page_of_a_format_names_every_key(page):
-    files = sorted((ROOT / "hmdwarp").glob(FORMATS[page]))
-    keys = set().union(*(keys_of(tomllib.loads(file.read_text(encoding="utf-8"))) for file in files))
-    assert files and {key for key in keys if not re.search(rf"[`.\[]{key}[`.\]]", PAGES[page])} == set()
-
-
 @pytest.mark.parametrize("command", [line for line in LIVE if line.startswith("hmdwarp serve")])
 def test_the_served_pages_can_be_opened(command):
     """At ports that are free here."""
@@ -218,16 +172,6 @@ def test_the_live_commands_open_a_window(command, tmp_path):
         run(["env", f"DISPLAY={screen.display}", "sh", "-ec", command + small], tmp_path)
 
 
-def test_the_front_page_is_short():
-    """One picture, two commands, five examples, the results and links."""
-    text = PAGES["README.md"]
-    assert len(text.splitlines()) <= 120
-    assert text.count("![") == 1
-    commands = [line for kind, block in BLOCKS["README.md"] if kind == "sh" for line in block.splitlines()]
-    assert [command for command in commands if command.startswith("make ")] == ["make replay", "make test"]
-    assert len(BLOCKS["README.md"]) == 1 + 5
-
-
 def test_the_tables_of_the_front_page_are_those_of_the_results(monkeypatch):
     """They are tables of docs/, less some columns: `make docs OPTIONS=readme` writes them."""
     monkeypatch.syspath_prepend(str(ROOT / "docs"))
@@ -236,31 +180,6 @@ def test_the_tables_of_the_front_page_are_those_of_the_results(monkeypatch):
         re.search(r"<!-- results -->\n(.*?)<!-- end -->", PAGES["README.md"], re.DOTALL)[1]
         == regenerate.front_page() + "\n"
     )
-
-
-def test_commands_of_the_tables_of_replays_are_read_and_make_the_rows_that_stand_there(monkeypatch, tmp_path):
-    monkeypatch.syspath_prepend(str(ROOT / "docs"))
-    regenerate = importlib.import_module("regenerate")
-    replay = get_command(app).get_command(None, "replay")
-
-    def read(command, out, result):
-        params = replay.make_context("replay", shlex.split(command)[1:]).params
-        RunOptions.of({name: value for name, value in params.items() if value != ()})
-
-    written = {}
-    monkeypatch.setattr(regenerate, "hmdwarp", read)
-    monkeypatch.setattr(regenerate, "figure", lambda column, summary: "0")
-    monkeypatch.setattr(regenerate, "replace", written.__setitem__)
-    for name, table in regenerate.REPLAYS.items():
-        regenerate.replays(name, tmp_path)
-        lines, there = map(cells_of, (written[name], regenerate.text_of(name)))
-        labels = len(table["axes"])
-        assert lines[:2] == there[:2]
-        assert [line[:labels] for line in lines] == [line[:labels] for line in there]
-
-
-def cells_of(table):
-    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()]
 
 
 @pytest.mark.slow(30)
@@ -279,12 +198,6 @@ def test_make_replay_does_the_main_job(tmp_path):
         tmp_path,
     )
     assert (tmp_path / "out/report.html").is_file()
-
-
-def test_make_test_is_what_ci_runs():
-    printed = subprocess.run(["make", "-n", "-C", str(ROOT), "test"], capture_output=True, text=True, check=True).stdout
-    assert "-m pytest" in printed
-    assert "make --no-print-directory test" in (ROOT / ".ci/run").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("page", PAGES)

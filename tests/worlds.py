@@ -17,7 +17,7 @@ from hmdwarp.client.warps import Output, Warp, warps
 from hmdwarp.frames import EyeImage, Surface
 from hmdwarp.geometry import Fov, Pose, View, face_views
 from hmdwarp.geometry.cube import FACES
-from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download, flip_rows
 
 PICTURED = ("mesh", "mesh_adaptive", "splat")
 """Warps without a twin: golden pictures hold them, tests/client/test_contract.py.
@@ -63,18 +63,14 @@ def every_choice() -> list[str]:
     return list(dict.fromkeys(specs))
 
 
-def read(texture) -> np.ndarray:
-    """Texture to float64, bottom row first as stored."""
-    dtype = {"f2": np.float16, "f4": np.float32}[texture.dtype]
-    return np.frombuffer(texture.read(alignment=1), dtype).reshape(texture.height, texture.width, -1).astype(np.float64)
-
-
 def pixels(texture) -> np.ndarray:
     """Texture to float64, bottom row first: (h, w) of one channel, else (h, w, channels)."""
-    dtype = {"f2": np.float16, "f4": np.float32, "u2": np.uint16}[texture.dtype]
-    found = np.frombuffer(texture.read(alignment=1), dtype).astype(np.float64)
-    channels = () if texture.components == 1 else (texture.components,)
-    return found.reshape(texture.height, texture.width, *channels)
+    return flip_rows(download(texture)).astype(np.float64)
+
+
+def read(texture) -> np.ndarray:
+    """Texture to float64 (h, w, channels), bottom row first as stored."""
+    return pixels(texture).reshape(texture.height, texture.width, -1)
 
 
 def shown_by(

@@ -4,6 +4,7 @@ where."""
 from __future__ import annotations
 
 import numpy as np
+from worlds import read
 
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.frames import EyeImage
@@ -44,10 +45,7 @@ class Scatter:
 
     def winners(self, canvas: Canvas) -> np.ndarray:
         """The same, of any picture made of this one's pixels."""
-        out = np.frombuffer(canvas.texture.read(alignment=1), np.float16).reshape(
-            self.shown_size[1], self.shown_size[0], 4
-        )
-        out = out.astype(np.int64)
+        out = read(canvas.texture).astype(np.int64)
         return np.where(out[..., 3] > 0, out[..., 1] * self.size[0] + out[..., 0], -1)
 
     def wanted(self, depth: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ import pytest
 from reference.fused import looked_at
 from reference.lens import radial
 from reference.picture import GPU_SAMPLER_PIXELS, HALF_SMALLEST, HALF_UNIT
+from worlds import read
 
 from hmdwarp.client.lens import lenses
 from hmdwarp.errors import InputError
@@ -35,11 +36,7 @@ def through_the_lens(gpu, shown: np.ndarray, headset: Headset, eye: int, panel_s
     panel.texture.write(np.full((panel_size[1], panel_size[0], 4), 7, np.float16).tobytes(), alignment=1)
     lens.run(canvas, headset.eyes[eye].fov, eye, panel)
     gpu.gl.memory_barrier()
-    out = (
-        np.frombuffer(panel.texture.read(alignment=1), np.float16)
-        .reshape(panel_size[1], panel_size[0], 4)
-        .astype(np.float64)
-    )
+    out = read(panel.texture)
     canvas.release()
     panel.release()
     return out
@@ -86,19 +83,6 @@ def test_holes_keep_their_coverage(gpu):
     headset, panel_size = load_headset("rift-dk1"), (41, 43)
     got = through_the_lens(gpu, np.zeros((30, 30, 4)), headset, 0, panel_size)
     assert np.array_equal(got, np.zeros_like(got))
-
-
-@pytest.mark.parametrize("name", WITH_LENS)
-def test_the_right_panel_mirrors_the_left(gpu, name):
-    headset, size = load_headset(name), (67, 53)
-    left_picture = np.random.default_rng(5).uniform(0, 1, (size[1], size[0], 4)).astype(np.float16).astype(np.float64)
-    left = through_the_lens(gpu, left_picture, headset, 0, size)
-    right = through_the_lens(gpu, left_picture[:, ::-1], headset, 1, size)
-    allowed = 2 * (HALF_UNIT + 2 * sampler_error_pixels(gpu, size))
-    for channel, colour in enumerate(COLOURS):
-        _, error, decided = places(headset, 0, size, size, colour)
-        tolerance = allowed + 4 * error
-        assert (np.abs(left[..., channel] - right[:, ::-1, channel]) <= tolerance)[decided].all()
 
 
 def test_colours_part_where_the_lens_parts_them(gpu):

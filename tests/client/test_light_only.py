@@ -16,7 +16,6 @@ from hmdwarp.errors import PlanError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Canvas, download
-from hmdwarp.link.codec import Coding
 from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import Emission, Scene, Texture, load_scene, only_light, unlit
 from hmdwarp.sources.server import Server
@@ -137,11 +136,3 @@ def test_what_cannot_be_beside_it_is_refused(beside, fill, geometry, why):
     names = (NAME, *beside)
     with pytest.raises(PlanError, match=why):
         build_plan(names, "backward", fill, "none", client_geometry=geometry, named=names, forced=names)
-
-
-def test_a_codec_keeps_light_beyond_1():
-    """The albedo takes from it again: what a display would clip is half of what is seen."""
-    late = {"trace": "walk", "latency_ms": 50.0, "effects": NAME}
-    coded, _ = shown_by(coding=Coding(codec="h264", crf=10), **late)
-    plain, _ = shown_by(**late)
-    assert coded <= plain + 0.01

@@ -8,17 +8,14 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
+from golden_pictures import assert_golden, sheet
 from holed import Holed
-from reference.memory import fill_from, forgotten
-from reference.picture import RenderedPicture
-from replays import run, small
 from scipy.spatial.transform import Rotation
 from worlds import World, read
 
 from client.test_multi import BEFORE_A_WALL, HALF_FLOAT, WALL, at, drawn, scene_of, square
 from hmdwarp.client import PassInputs, ShownPicture, parse_fills
 from hmdwarp.client.fills.memory import (
-    BLOCK_SIDE,
     HoleFiller,
     Keeper,
     Keyframe,
@@ -27,14 +24,12 @@ from hmdwarp.client.fills.memory import (
     is_new,
     most_redundant,
     most_useful,
-    place_in_block,
     seeds_for,
 )
 from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu import COLOUR, NUMBER, SCALAR, Canvas, allocate
-from hmdwarp.run import set_up_replay
 
 SIZE = (120, 96)
 
@@ -114,22 +109,6 @@ def test_a_thing_that_left_is_forgotten_once_a_newer_frame_sees_through_its_plac
     assert known.mean() > 0.9, "what stayed is still known"
 
 
-def test_a_still_thing_is_remembered_however_often_it_is_seen(gpu, client):
-    """20 looks at the same things from places a little apart.
-
-    Outlines move by parts of a pixel each time.
-    """
-    rng = np.random.default_rng(4)
-    first = drawn(gpu, BEFORE_A_WALL, turned(0))
-    client.sees(seconds(first, 0), turned(0))
-    for k in range(20):
-        view = turned(rng.uniform(-3, 3), x=rng.uniform(-0.02, 0.02))
-        client.sees(seconds(drawn(gpu, BEFORE_A_WALL, view), 0.1 * (k + 1)), view)
-    out = client.sees(seconds(drawn(gpu, BEFORE_A_WALL, turned(-60)), 3), turned(0))
-    truth = read(first.colour)
-    assert (np.abs(out - truth).max(axis=-1) > HALF_FLOAT).mean() < 0.05
-
-
 @pytest.mark.parametrize("moved_on", [False, True])
 @pytest.mark.parametrize("what", ["ids", "velocity"])
 def test_moving_bodies_are_never_remembered(gpu, client, what, moved_on):
@@ -171,28 +150,6 @@ def test_old_pictures_and_those_of_another_run_are_forgotten(gpu):
         client.close()
 
 
-def test_it_learns_once_from_each_frame_and_never_allocates(gpu, monkeypatch):
-    from hmdwarp.client.fills import memory as module
-
-    client = Client(gpu, "memory:frames=3")
-    learned, overlapping = [], module.overlapping
-    monkeypatch.setattr(module, "overlapping", lambda *seen: learned.append(seen) or overlapping(*seen))
-
-    def refuse(*_, **__):
-        raise AssertionError("run() allocates")
-
-    frames = [seconds(drawn(gpu, scene_of(WALL), turned(20 * k)), k) for k in range(8)]
-    monkeypatch.setattr(type(gpu.shaders), "compute", refuse)
-    monkeypatch.setattr("hmdwarp.client.fills.memory.allocate", refuse)
-    for rendered in frames:
-        for _ in range(2):
-            client.sees(rendered, rendered.view)
-    assert len(learned) == len(frames)
-    assert len(client.fill._kept) == 3
-    assert len({picture.slot for picture in client.fill._kept}) == 3
-    client.close()
-
-
 def test_learning_alone_teaches_what_a_shown_refresh_does(gpu):
     """Bit for bit, also where a frame is shown again after it was learned."""
     frames = [seconds(drawn(gpu, BEFORE_A_WALL, turned(25 * k)), k) for k in range(4)]
@@ -204,19 +161,6 @@ def test_learning_alone_teaches_what_a_shown_refresh_does(gpu):
     assert np.array_equal(*pictures) and (pictures[0][..., 3] > 0).mean() > 0.9
     for each in (seeing, learning):
         each.close()
-
-
-@pytest.mark.parametrize(("scene", "forgets"), [("room", False), ("workshop", True), ("lantern", True)])
-def test_scenes_that_look_the_same_at_all_times_do_not_pay_for_forgetting(monkeypatch, scene, forgets):
-    compared, kept = [], []
-    forget, keep = Keeper.forget, Keeper.keep
-    monkeypatch.setattr(Keeper, "forget", lambda self, *seen: (compared.append(seen), forget(self, *seen)))
-    monkeypatch.setattr(Keeper, "keep", lambda self, seen, slot: (kept.append(seen), keep(self, seen, slot)))
-    with set_up_replay(small(scene=scene, fill="memory", seconds=0.2)) as setup:
-        for _, instant_ns in setup.schedule.numbered():
-            setup.loop.draw(instant_ns)
-            setup.loop.show(instant_ns)
-    assert kept and bool(compared) == forgets
 
 
 def test_mb_bounds_how_many_are_kept_and_too_few_are_told(gpu):
@@ -262,92 +206,29 @@ def test_the_most_useful_pictures_look_where_the_rendered_view_does_not():
     assert most_useful(beside, turned(30, 0.4), turned(0), 1)[0].slot == 0, "it is where the eye is"
 
 
-# --- the twins ----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("seed", "cell", "halved"), [(1, 1, False), (2, 2, True), (3, 4, False), (4, 2, True), (5, 3, False)]
-)
-def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
-    holed = Holed(gpu, seed, (67, 53), empty=0.6)
-    world = holed.world
-    pictures = [RenderedPicture(world.colour, world.inverse_depth, world.rendered_view)]
-    pictures += [RenderedPicture(*world._picture(), world._beside()) for _ in range(2)]
-    holes, picture, into = HoleFiller(gpu, holed.size, cell), holed.picture(gpu), holed.picture(gpu)
-    holes.start(picture, into)
-    for number, one in enumerate(pictures):
-        textures = world._textures(gpu, one.colour, one.inverse_depth)
-        seeds = seeds_for(gpu, world.size) if halved else None
-        if halved:
-            Keeper(gpu, world.size).seed(textures[1], seeds)
-        holes.add(EyeImage(one.view, *textures), world.shown_view, seeds=seeds, newest=number == 0)
-    gpu.gl.memory_barrier()
-    got, depth = read(into.colour.texture), read(into.inverse_depth)[..., 0]
-    told = {"newest": True, "cell": cell, "halved": halved, "sampler_pixels": world.sampler_pixels}
-    wanted = fill_from(holed.colour, holed.inverse_depth, world.shown_view, tuple(pictures), **told)
-    sure = ~wanted.picture.undecided
-    assert sure.mean() > 0.8
-    off = np.abs(got - wanted.picture.colour).max(axis=-1)
-    assert (off <= wanted.picture.tolerance + 1e-6)[sure].all()
-    # A depth is found by a few dozen float32 operations.
-    assert (np.abs(depth - wanted.inverse_depth) <= 1e-4 * (1 + np.abs(wanted.inverse_depth)))[sure].all()
-    filled = sure & (holed.colour[..., 3] == 0) & (got[..., 3] > 0)
-    assert filled.sum() > 300
-    holes.close()
-
-
-@pytest.mark.parametrize("seed", [5, 6])
-def test_forgetting_equals_its_twin(gpu, seed):
-    """Of one random world against another from near by.
-
-    At each turn one pixel of a block stands for all of it, and sixteen turns look at all pixels.
-    """
-    world = World(gpu, seed, (66, 53))
-    rendered = RenderedPicture(*world._picture(), world._beside())
-    kept = RenderedPicture(world.colour, world.inverse_depth, world.rendered_view)
-    keeper = Keeper(gpu, world.size)
-    slot = Slot(gpu, world.size)
-    keeper.keep(world.rendered, slot)
-    gpu.gl.memory_barrier()
-    assert np.array_equal(read(slot.inverse_depth)[..., 0], np.where(kept.inverse_depth >= 0, kept.inverse_depth, -1))
-    newest = EyeImage(rendered.view, *world._textures(gpu, rendered.colour, rendered.inverse_depth))
-    known, (high, wide) = kept.inverse_depth >= 0, kept.inverse_depth.shape
-    wanted, unsure = forgotten(kept, rendered)
-    assert unsure.mean() < 0.2
-    looked_at = np.zeros((high, wide), int)
-    for turn in range(BLOCK_SIDE**2):
+def test_random_pictures_fill_holes_and_are_forgotten_as_before(gpu, tmp_path):
+    pictures = []
+    for seed, cell, halved in ((1, 1, False), (2, 2, True), (3, 4, False), (4, 2, True)):
+        holed = Holed(gpu, seed, (67, 53), empty=0.6)
+        world, holes, into = holed.world, HoleFiller(gpu, holed.size, cell), holed.picture(gpu)
+        holes.start(holed.picture(gpu), into)
+        beside = [EyeImage(world._beside(), *world._textures(gpu, *world._picture())) for _ in range(2)]
+        for image in (world.rendered, *beside):
+            seeds = seeds_for(gpu, world.size) if halved else None
+            if halved:
+                Keeper(gpu, world.size).seed(image.inverse_depth, seeds)
+            holes.add(image, world.shown_view, seeds=seeds, newest=image is world.rendered)
+        gpu.barrier()
+        pictures.append((read(into.colour.texture), read(into.inverse_depth)[..., 0]))
+        holes.close()
+    for seed in (5, 6):
+        world = World(gpu, seed, (66, 53))
+        newest = EyeImage(world._beside(), *world._textures(gpu, *world._picture()))
+        keeper, slot = Keeper(gpu, world.size), Slot(gpu, world.size)
         keeper.keep(world.rendered, slot)
-        keeper.forget(slot, kept.view, newest, turn)
-        gpu.gl.memory_barrier()
-        gone = known & (read(slot.inverse_depth)[..., 0] < 0)
-        x, y = place_in_block(turn)
-        looked_at[y::BLOCK_SIDE, x::BLOCK_SIDE] += 1
-        # Blocks that the border cuts before that pixel are left alone.
-        spread = np.zeros((2, -(-high // BLOCK_SIDE), -(-wide // BLOCK_SIDE)), bool)
-        for field, one in zip(spread, (wanted & known, unsure), strict=True):
-            at = one[y::BLOCK_SIDE, x::BLOCK_SIDE]
-            field[: at.shape[0], : at.shape[1]] = at
-        erased, doubt = np.kron(spread, np.ones((1, BLOCK_SIDE, BLOCK_SIDE), bool))[:, :high, :wide]
-        assert np.array_equal(gone[~doubt], (erased & known)[~doubt])
-        assert 20 < gone.sum() < gone.size and (read(slot.colour)[gone] == 0).all()
-        seeds = read(slot.seeds)[..., 0]
-        assert (np.kron(seeds, np.ones((2, 2)))[:high, :wide][gone] == -1).all()
-    assert (looked_at == 1).all()
-    keeper.close()
-
-
-# --- in the loop --------------------------------------------------------------------------------
-
-
-def test_a_head_that_comes_back_sees_what_it_saw_and_two_runs_are_one(tmp_path):
-    """The same turns with and without memory, 400 ms late.
-
-    Look-around comes back to what it saw from 6 s on.
-    """
-    options = {"start_s": 5.0, "seconds": 3.0, "rate_hz": 10.0, "latency_ms": 400.0, "metrics_every": 10}
-    without, with_memory, again = (
-        run(tmp_path / str(k), fill=fill, **options) for k, fill in enumerate(("none", "memory", "memory"))
-    )
-    gain = with_memory.summary["quality"]["psnr_db"]["mean"] - without.summary["quality"]["psnr_db"]["mean"]
-    assert gain > 2
-    assert with_memory.summary["quality"] == again.summary["quality"]
+        for turn in range(3):  # at each, one pixel of a block stands for all of it
+            keeper.forget(slot, world.rendered_view, newest, turn)
+        gpu.barrier()
+        pictures.append((read(slot.colour), read(slot.inverse_depth)[..., 0]))
+        assert 20 < (pictures[-1][1] < 0).sum() < world.inverse_depth.size
+    assert_golden("effects/memory", sheet(*pictures), tmp_path)

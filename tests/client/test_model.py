@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import attrs
 import numpy as np
 import pytest
 from client_scene import ClientScene
 from replays import run
 from worlds import read, shown_by
 
-from hmdwarp.client import ArrivingScene, PassInputs, ShownPicture, WholeScene, parse_warp
+from hmdwarp.client import ArrivingScene, PassInputs, parse_warp
 from hmdwarp.client.warps import Output
 from hmdwarp.frames import EyeImage
-from hmdwarp.frames.layers.scene_parts import Simplified
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, allocate
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
 from hmdwarp.scenes import load_scene, scenes
@@ -50,25 +48,6 @@ def test_the_whole_model_is_the_truth_bit_for_bit(gpu, scene, shown):
             drawn(gpu, geometry, "model", shown, time_ns), truth(geometry, shown, time_ns), strict=True
         ):
             assert np.array_equal(got, wanted)
-
-
-@pytest.mark.parametrize("scene", ["gallery", "greenhouse", "cockpit"])
-def test_a_reduced_model_keeps_mirrors_glass_and_overlays(gpu, scene):
-    """So it is nearer to the truth than the same triangles without them."""
-    geometry = ClientScene(gpu, scene)
-    wanted = truth(geometry, HERE)[0][..., :3]
-    got, depth = drawn(gpu, geometry, "model:share=0.3", HERE)
-    assert (got[..., 3] == 1).all() and np.isfinite(depth).all()
-    kept = geometry.store(WholeScene, Simplified(0.3)).scene
-    assert kept.triangle_count < 0.6 * geometry.server.scene.triangle_count
-    assert len(kept.mirrors) == len(geometry.server.scene.mirrors)
-    matt = attrs.evolve(
-        kept, meshes=[mesh for mesh in kept.meshes if mesh.is_surface and not mesh.material.reflectivity]
-    )
-    without = geometry.server.__class__(gpu, matt)
-    plain = read(without.draw(HERE, SIZE).colour)[..., :3]
-    without.close()
-    assert np.abs(got[..., :3] - wanted).mean() < np.abs(plain - wanted).mean()
 
 
 PROGRESSIVE = "model:arrives=progressive,budget=300000"
@@ -151,34 +130,6 @@ def test_a_head_at_rest_does_not_stop_what_is_still_to_come(tmp_path):
     (model,) = result.summary["client_models"]
     assert model["arrived"] == model["things"]
     assert result.summary["link"]["frames"]["unchanged"] > 0
-
-
-def test_visible_parts_come_first(gpu):
-    """When all triangles in front of the head have come, what is behind it is still coarse."""
-    server, choice = Server(gpu, load_scene("workshop")), parse_warp("model:arrives=progressive,budget=60000")
-    needs = choice.entry.needs(choice.settings)
-    arriving = ClientScene(gpu, "workshop").store(ArrivingScene, next(iter(needs["scene_update"])))
-    for step in range(9):
-        frame = server.draw_frame([HERE, HERE], 10_000_000 * step, SIZE, needs=needs)
-        arriving.receive(next(iter(frame.eyes[0]["scene_update"].values())).content)
-        server.heard(frame, True, 10_000_000 * (step + 2))
-        server.recycle(frame)
-    behind = attrs.evolve(HERE, pose=Pose(HERE.pose.position_m, (0.0, 1.0, 0.0, 0.0)))
-
-    def wrong(view: View) -> tuple[float, float]:
-        canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
-        arriving.draw(view, ShownPicture(canvas, depth), 0)
-        drawn, image = (read(canvas.texture), read(depth)), server.draw(view, SIZE)
-        return tuple(
-            np.abs(got - read(wanted)).mean()
-            for got, wanted in zip(drawn, (image.colour, image.inverse_depth), strict=True)
-        )
-
-    assert wrong(HERE)[1] == 0 and wrong(HERE)[0] < wrong(behind)[0] / 2
-    (weight,) = arriving.weights()
-    assert weight["arrived"] < weight["things"]
-    server.close()
-    arriving.close()
 
 
 def test_the_sender_holds_no_more_however_long_the_network_loses_everything(gpu):

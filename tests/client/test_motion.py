@@ -6,11 +6,10 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
-from made import counting_made
 from reference.motion import MotionAsked, moved_picture
-from worlds import read
+from worlds import pixels, read
 
-from hmdwarp.client import Compensator, PassInputs, build_plan
+from hmdwarp.client import PassInputs
 from hmdwarp.client.effects import Tools
 from hmdwarp.client.effects.motion import MOST_BODIES, RIGID, SOFT, STEEPEST_DEG, MotionPass
 from hmdwarp.client.warp_kinds import steepest
@@ -204,7 +203,7 @@ def test_soft_motion_is_limited_in_reach(gpu):
     knows."""
     image = one_body(gpu, RigidState(Pose()))
     velocity = np.zeros((*SIZE[::-1], 4))
-    velocity[read_ids(image) == 1] = (20.0, 0, 0, 1)
+    velocity[pixels(image["ids"].numbers) == 1] = (20.0, 0, 0, 1)
     soft = image.having(ids=None, velocity=textured(gpu, velocity, COLOUR))
     colour, _ = run(gpu, soft, round(250 * SWING_S) * MS, SOFT)
     left = np.flatnonzero((colour[..., 0] > 0).any(axis=0))[0]
@@ -214,10 +213,6 @@ def test_soft_motion_is_limited_in_reach(gpu):
     for age_s in (SWING_S / 2, 10.0):
         assert made.run(given_at(soft, round(1000 * age_s) * MS)).rendered is soft
     made.close()
-
-
-def read_ids(image: EyeImage) -> np.ndarray:
-    return np.frombuffer(image["ids"].numbers.read(alignment=1), np.uint16).reshape(SIZE[::-1])
 
 
 def checkered(body: int) -> Mesh:
@@ -258,33 +253,3 @@ def test_a_moved_picture_is_what_the_server_draws_then(gpu, motion, least_db):
     psnr, unmoved = (-10 * np.log10(np.mean((picture - exact)[both] ** 2)) for picture in (found, before))
     assert psnr > least_db
     assert unmoved < 15
-
-
-@pytest.mark.parametrize(
-    ("declared", "layer", "other"),
-    [(("rigid_motion",), "rendered.ids", "rendered.velocity"), (("soft_motion",), "rendered.velocity", "rendered.ids")],
-    ids=["rigid", "soft"],
-)
-def test_a_plan_reads_and_allocates_what_its_scene_calls_for_and_no_more(gpu, declared, layer, other):
-    plan = build_plan(declared, "forward", "none", "none", client_geometry=True)
-    assert layer in plan.layers
-    assert other not in plan.layers
-    assert ("ids" in plan.needs, "velocity" in plan.needs) == (layer == "rendered.ids", layer == "rendered.velocity")
-    world = MovingWorld(13)
-    image = world.image(gpu, {RIGID} if "ids" in plan.needs else {SOFT})
-    with counting_made() as made:
-        compensator = Compensator(gpu, plan, None, world.size, world.size)
-        assert made["texture"] == 2 + 2  # a canvas for each eye, colour and depth of what has moved
-        before = made.copy()
-        gpu.timer.collect()  # of the tests before
-        for eye in (0, 1, 0):
-            result = compensator.run(attrs.evolve(given_at(image, 200 * MS), eye=eye))
-        del made["scope"]  # of the first drawing, and kept
-        assert made == before, "run() compiles and allocates nothing"
-    # The eye has not moved, so forward copies what the pass has made.
-    assert np.array_equal(
-        read(result.shown.texture),
-        run(gpu, image, 200 * MS, *(effect.name for effect in plan.effect_passes[0].effects))[0],
-    )
-    assert [name for name, _ in gpu.timer.collect()] == ["effects", "warp"] * 3
-    compensator.close()

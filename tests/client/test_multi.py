@@ -9,8 +9,7 @@ from reference.picture import RenderedPicture
 from worlds import World, assert_equals_twin, read, shown_by
 
 from hmdwarp.client import PassInputs, parse_warp
-from hmdwarp.errors import PlanError
-from hmdwarp.frames import EyeImage, Needs, Others, Surface
+from hmdwarp.frames import EyeImage, Surface
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.scenes import Background, Mesh, Scene
@@ -108,30 +107,6 @@ def test_any_number_of_pictures_equals_the_twin(gpu, spec):
     assert_equals_twin(got, wanted)
 
 
-@pytest.mark.parametrize("warp", ["multi", "layered"])
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, -1e-30, 3e38])
-def test_no_depth_of_any_kind_neither_spreads_nor_shows(gpu, warp, bad):
-    """In the newest picture, in the others and behind the visible layer."""
-    world, pictures = World(gpu, 4, (64, 48)), []
-    world.bring(gpu, parse_warp(warp).entry)
-    for no_depth in (-1, bad):
-        for depth in (world.inverse_depth, *(one.inverse_depth for one in (*world.others, *world.layers))):
-            depth[::5, ::3] = no_depth
-        world.upload(gpu)
-        pictures.append(world.warp(gpu, warp))
-    assert np.isfinite(pictures[1]).all()
-    assert np.array_equal(*pictures)
-
-
-def test_it_needs_the_other_eye_and_older_frames():
-    specs = ("multi", "multi:frames=0,eye=own", "multi:spacing=40", "multi:views=2")
-    told = {spec: parse_warp(spec).entry.needs(parse_warp(spec).settings) for spec in specs}
-    assert told["multi"].others == Others(2, 300_000_000, True)
-    assert told["multi:frames=0,eye=own"] == Needs()
-    assert told["multi:spacing=40"].others.spacing_ns == 40_000_000
-    assert "views" not in told["multi"] and told["multi:views=2"]["views"] == 2
-
-
 # --- layered: real content behind edges, no cracks, no guesses ------------------------------------
 
 
@@ -189,12 +164,3 @@ def _warped_with(gpu, world: World, spec: str) -> np.ndarray:
     peeled = tuple(Surface(*world._textures(gpu, layer.colour, layer.inverse_depth)) for layer in world.layers)
     inputs = PassInputs(world.rendered.having(peeled=peeled), world.shown_view)
     return shown_by(gpu, spec, inputs, world.shown_size)[0]
-
-
-def test_a_frame_with_fewer_layers_is_refused(gpu):
-    world = World(gpu, 5, (16, 12))
-    world.bring(gpu, parse_warp("layered").entry)
-    choice = parse_warp("layered:layers=4")
-    warp, canvas = choice.entry(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
-    with pytest.raises(PlanError, match="needs 3 layers behind the visible one, this frame has 2"):
-        warp.run(PassInputs(world.rendered, world.shown_view), canvas)

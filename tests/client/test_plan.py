@@ -9,8 +9,6 @@ import attrs
 import moderngl
 import pytest
 from client_scene import ClientScene
-from hypothesis import given
-from hypothesis import strategies as st
 from panels import headset_for
 from together import together
 from worlds import World
@@ -27,7 +25,6 @@ from hmdwarp.client import (
     Plan,
     ShownDepth,
     build_plan,
-    needs_of,
     parse_fills,
     pictures_read,
 )
@@ -35,12 +32,11 @@ from hmdwarp.client.effects import effects
 from hmdwarp.client.fills import fills
 from hmdwarp.client.lens import lenses
 from hmdwarp.client.warps import Output, warps
-from hmdwarp.errors import InputError, PlanError, UnknownNameError
+from hmdwarp.errors import PlanError
 from hmdwarp.frames.layers import readable_names
 from hmdwarp.frames.layers.scene_parts import Simplified
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, ShaderLibrary, allocate
-from hmdwarp.headsets import load_headset
 
 # Each warp with and without a fill, each fill after a warp that carries depth and one that cannot,
 # chains; each lens; geometry or not.
@@ -130,46 +126,12 @@ def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
 # --- what is refused ----------------------------------------------------------------------------
 
 
-def test_one_run_keeps_older_frames_one_way():
-    plans = [plan_of(f"multi:spacing={ms}", "none", "none", True) for ms in (300, 50)]
-    assert needs_of([plans[0], plans[0], plan_of("forward", "none", "none", True)]) == plans[0].needs
-    with pytest.raises(InputError, match="50 ms and 300 ms apart"):
-        needs_of(plans)
-
-
 def test_only_passes_that_draw_without_geometry_are_impossible():
     refused = set(ALL) - set(POSSIBLE)
     assert refused and all(_draws(warp, fill) and not geometry for warp, fill, _, geometry in refused)
     for choice in refused:
         with pytest.raises(PlanError, match="needs the scene's geometry on the client"):
             plan_of(*choice)
-
-
-@pytest.mark.parametrize(
-    ("warp", "fill", "lens", "says"),
-    [
-        ("forwrd", "none", "none", "unknown warp 'forwrd': did you mean 'forward'? known are "),
-        ("forward", "interpolat", "none", "unknown fill 'interpolat': did you mean 'interpolate'?"),
-        ("forward", "none", "radal", "unknown lens 'radal': did you mean 'radial'?"),
-        ("", "none", "none", "unknown warp '': known are backward"),
-    ],
-)
-def test_unknown_names_get_the_nearest_known_one(warp, fill, lens, says):
-    with pytest.raises(UnknownNameError) as caught:
-        plan_of(warp, fill, lens, True)
-    assert says in str(caught.value) and "\n" not in str(caught.value)
-
-
-@given(st.text(max_size=12))
-def test_any_text_is_a_plan_or_an_unknown_name(text):
-    for choice in ((text, "none", "none"), ("forward", text, "none"), ("forward", "none", text)):
-        try:
-            assert isinstance(plan_of(*choice, True), Plan)
-        except InputError as error:
-            names = [part.partition(":")[0].strip() for part in text.split("+")]  # what follows a colon are settings
-            assert any(
-                repr(name)[1:-1] in str(error) or name in str(error) for name in (text, text.partition(":")[0], *names)
-            )
 
 
 # --- what it costs ------------------------------------------------------------------------------
@@ -300,20 +262,3 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     # which is not closed.
     left = [thing for thing in costs.alive() if not (_draws(warp, fill) and isinstance(thing, moderngl.Framebuffer))]
     assert left == [], "close() frees everything"
-
-
-def test_a_second_compensator_compiles_nothing_anew(gpu, monkeypatch):
-    costs = Costs(gpu, monkeypatch)
-    plan = plan_of("forward", "interpolate", "radial", True)
-    first = Compensator(gpu, plan, load_headset("rift-dk1"), RENDERED_SIZE, SHOWN_SIZE)
-    programs = len(costs.library)
-    second = Compensator(gpu, plan, load_headset("rift-dk1"), SHOWN_SIZE, RENDERED_SIZE)
-    assert len(costs.library) == programs
-    first.close()
-    second.close()
-
-
-def test_backward_run_without_a_depth_is_refused(gpu):
-    warp = warps.get("backward")(gpu, RENDERED_SIZE, SHOWN_SIZE)
-    with pytest.raises(PlanError, match="needs the client's own depth"):
-        warp.run(given_for(gpu, "backward"), None)

@@ -15,7 +15,7 @@ from together import together
 from hmdwarp.client import SHOWN, build_plan
 from hmdwarp.client.effects import RenderedPass, effects
 from hmdwarp.client.warps import warps
-from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeSizes, Needs, frame_bytes
 from hmdwarp.frames.layers import readable_names
 from hmdwarp.geometry import Fov
@@ -112,15 +112,6 @@ def test_an_imposter_compensates_only_what_is_asked_for_by_name(declared):
     assert by_name.effects == plan_of(declared).effects and by_name.needs == plan_of(declared).needs
 
 
-def test_forced_and_forbidden_effects_are_reported_as_such():
-    left_out = dict(plan_of(("overlay",), forced=["overlay"], forbidden=["transparency"]).left_out)
-    assert left_out["transparency"].startswith("the scene calls for it, but it was forbidden: a pane has the depth")
-    assert left_out["rigid_motion"] == "nothing in the scene calls for it"
-    assert left_out["light_only"] == "only on request: --effects light_only"
-    (step,) = [step for step in plan_of(("overlay",), forced=["overlay"]).steps if step.stage == "effects"]
-    assert step.reason.startswith("forced, though the scene has nothing of overlay")
-
-
 # --- what an experiment asks for ----------------------------------------------------------------
 
 
@@ -132,13 +123,6 @@ def test_each_may_be_forced_or_forbidden(declared, forced, forbidden):
             effects.selected(told, declared)
     else:
         assert effects.selected(told, declared) == effects.ordered({*declared, *forced} - {*forbidden})
-
-
-def test_an_unknown_effect_is_answered_with_the_nearest():
-    with pytest.raises(UnknownNameError, match="did you mean 'transparency'"):
-        effects.selected("transparancy", ())
-    with pytest.raises(UnknownNameError, match="did you mean 'overlay'"):
-        effects.selected("no-overlai", ())
 
 
 def test_a_display_that_composes_panels_is_handed_those_that_nothing_hides():

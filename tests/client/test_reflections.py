@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import attrs
 import numpy as np
 import pytest
 from golden_pictures import assert_golden, sheet
@@ -94,20 +93,6 @@ def test_mirrors_are_much_better_than_glued_on(gpu, server, by, turn):
     found, _ = shown(gpu, server, view)
     assert error(found, truth, where) < 0.5 * error(glued, truth, where)
     assert error(found, truth, where) < error(even, truth, where)
-
-
-@pytest.mark.parametrize("warp", ["forward", "iterative", "mesh"])
-def test_no_black_in_mirrors_and_no_colour_in_holes(gpu, server, warp):
-    """Every mirror of this scene shows something bright, its own colour is what is dark."""
-    view = moved((0.25, 0.1, 0.15), 0.15)
-    found, covered = shown(gpu, server, view, warp=warp)
-    wall = mirrors_of(server, view, Needs(reflection=Mirrored.PLANE)) & covered
-    assert np.isfinite(found).all()
-    assert (found[~covered] == 0).all()
-    assert set(np.unique(found[..., 3])) <= {0, 1}
-    bright = truth_of(server, view)[..., :3].max(axis=-1)
-    dark = wall & (found[..., :3].max(axis=-1) < 0.3 * bright)
-    assert dark.sum() <= 0.02 * wall.sum()
 
 
 # --- from pictures alone --------------------------------------------------------------------------
@@ -218,23 +203,6 @@ def test_a_thing_that_has_moved_is_no_mirror(gpu):
     out = read(one.run(PassInputs(images[0], SHOWN, others=tuple(images[1:]))).rendered.colour)
     assert np.abs(out - read(images[0].colour)).mean() < 1e-3
     one.close()
-
-
-@pytest.mark.parametrize("warp", ["iterative", "forward", "mesh", "multi", "multi:eye=own,frames=1", "none", "splat"])
-def test_any_warp_may_follow(gpu, warp):
-    """Each gets the other pictures that it reads itself, also where it runs twice for its depth."""
-    plan = build_plan((NAME,), warp, "pyramid", "none", client_geometry=False, named=(NAME,))
-    assert [pass_.made_by for pass_ in plan.effect_passes] == [MirroredPass]
-    compensator = Compensator(gpu, plan, None, SIZE, SIZE)
-    inputs = inputs_of(gpu, 0.5)
-    plain_plan = build_plan((), warp, "pyramid", "none", client_geometry=False)
-    plain = Compensator(gpu, plain_plan, None, SIZE, SIZE)
-    with_light = read(compensator.run(inputs).shown.texture)
-    without = read(plain.run(attrs.evolve(inputs, others=inputs.others[: plain_plan.needs.others.count])).shown.texture)
-    assert np.isfinite(with_light).all()
-    assert not np.array_equal(with_light, without)
-    for closed in (compensator, plain):
-        closed.close()
 
 
 def test_it_stands_in_for_known_mirrors():

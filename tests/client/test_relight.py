@@ -9,10 +9,8 @@ import pytest
 from worlds import read
 
 from hmdwarp.client import ClientScene, ReducedModel
-from hmdwarp.client.fills.model import sample_offsets
-from hmdwarp.colour import linear_from_srgb, srgb_from_linear
 from hmdwarp.geometry import Pose, View
-from hmdwarp.scenes import Body, Mesh, Quad, Scene, load_scene
+from hmdwarp.scenes import Body, Quad, Scene, load_scene
 from hmdwarp.sources.server import Server
 
 from .modelled import SIZE, VIEW, Shown, picture_of
@@ -43,41 +41,6 @@ def test_with_light_off_the_model_is_the_bare_albedo(gpu):
     assert np.array_equal(got, by_server(gpu, bare, shown))
     assert not np.array_equal(got, shown.fill("model:share=1")[0])
     assert np.array_equal(depth, shown.depth)
-
-
-def test_smaller_textures_are_means_of_the_larger_ones(gpu):
-    """A half on each axis, by means of four texels; the pictures of `planes` divide by two."""
-    scene, shown = load_scene("planes"), Shown(gpu, "planes")
-    halves = []
-    for texture in scene.textures:
-        light = linear_from_srgb(texture.image / 255) if texture.srgb else texture.image / 255
-        high, wide = (side // 2 for side in light.shape[:2])
-        mean = light.reshape(high, 2, wide, 2, 3).mean(axis=(1, 3))
-        encoded = srgb_from_linear(mean) if texture.srgb else mean
-        halves.append(attrs.evolve(texture, image=np.rint(255 * encoded).astype(np.uint8)))
-    got = shown.fill("model:share=1,texture=0.5")[0]
-    assert np.array_equal(got, by_server(gpu, attrs.evolve(scene, textures=halves), shown))
-    errors = [shown.error(shown.fill(f"model:share=1,texture={scale}")[0]) for scale in (1, 0.5, 0.125)]
-    assert errors[0] == 0
-    assert errors == sorted(errors)
-
-
-def test_near_surfaces_do_not_hide_covered_pixels(gpu):
-    """A wall that the near plane cuts. Where it touches the plane its depth is 0, which is where
-    what is covered is put."""
-    corners = np.array([(-1, -1, -0.5), (1, -1, -0.5), (1, 1, 0.5), (-1, 1, 0.5)]) + VIEW.pose.position_m
-    wall = Mesh(
-        "wall",
-        corners,
-        np.tile((0, 0, 1), (4, 1)),
-        np.zeros((4, 2)),
-        np.ones((4, 3)),
-        [(0, 1, 2), (0, 2, 3)],
-        double_sided=True,
-    )
-    shown = Shown(gpu, "planes", holes=np.zeros(SIZE[::-1], bool))
-    shown.geometry = ClientScene(Server(gpu, Scene("wall", "", [wall])))
-    assert np.array_equal(shown.fill("model:share=1")[0], shown.colour)
 
 
 @attrs.frozen
@@ -120,14 +83,3 @@ def test_surfaces_that_face_away_give_no_light(gpu):
     got, model = shown.fill("relight")[0], shown.fill("model:share=1")[0]
     assert ((shown.depth > 0) & shown.holes).sum() > 1000
     assert np.abs(got - model).max() <= 2 * STORED * model.max()
-
-
-def test_samples_are_the_same_every_time_and_within_reach():
-    offsets = sample_offsets(500, 80)
-    assert np.array_equal(offsets, sample_offsets(500, 80))
-    assert np.hypot(*offsets.T).max() <= 81
-    # The radius is 80 times the square of evenly spread numbers, so its median is 20; and every
-    # quarter of the disc has a quarter of them.
-    assert np.median(np.hypot(*offsets.T)) == pytest.approx(20, abs=1)
-    x, y = offsets[(offsets != 0).all(axis=1)].T
-    assert np.bincount((x > 0) + 2 * (y > 0)) / len(x) == pytest.approx([0.25] * 4, abs=0.02)

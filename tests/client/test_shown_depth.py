@@ -11,7 +11,7 @@ from worlds import World, has_twin, read, shown_by, twin_of
 
 from hmdwarp.client import Carry, ShownDepth, parse_warp, pictures_read
 from hmdwarp.client.warps import Output, warps
-from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import SCALAR, allocate
 
 CARRYING = [warp.name for warp in warps if warp.carries]
 BESIDE = [warp.name for warp in warps if warp.depth_reads is not None and warp.kind != "draw"]
@@ -52,24 +52,6 @@ def test_the_depth_beside_it_leaves_the_colour_as_it_is(gpu, name):
     assert (np.abs(got - plain).max(axis=-1) <= 4 * 2.0**-10).mean() > 0.99
 
 
-def test_a_run_for_something_else_leaves_the_depth_alone(gpu):
-    """Effects have the same warp carry pictures of theirs after the depth was written."""
-    world, choice = World(gpu, 8, SIZE), parse_warp("iterative")
-    warp = choice.entry(gpu, world.size, world.shown_size, choice.settings, Output(depth=True))
-    canvas, into = Canvas(gpu.gl, world.shown_size), allocate(gpu.gl, world.shown_size, SCALAR)
-    warp.run_with_depth(world.inputs(choice.entry), canvas, into)
-    gpu.gl.memory_barrier()
-    before = read(into)
-    nothing = allocate(gpu.gl, world.size, COLOUR)
-    nothing.write(bytes(8 * world.size[0] * world.size[1]))
-    Carry(warp).along(world.inputs(choice.entry), lambda image: nothing, canvas)
-    gpu.gl.memory_barrier()
-    assert (read(canvas.texture) == 0).all() and np.array_equal(read(into), before)
-    for thing in (canvas, into, nothing):
-        thing.release()
-    warp.close()
-
-
 @pytest.mark.parametrize("name", [name for name in CARRYING if has_twin(name)])
 def test_it_equals_its_twin_under_every_warp(gpu, name):
     world = World(gpu, 4, SIZE, (SIZE[0] + 6, SIZE[1] - 5))
@@ -91,12 +73,3 @@ def test_the_depth_of_warps_without_a_twin_is_as_before(gpu, tmp_path):
         found.append((world.warp(gpu, name), depth_of(gpu, world, name)))
     share = 1 / 1000 if gpu.is_software else 1 / 20  # as the pictures, tests/client/test_contract.py
     assert_golden("effects/shown_depth", sheet(*found), tmp_path, share=share)
-
-
-@pytest.mark.parametrize("name", CARRYING)
-def test_where_the_colour_is_covered_its_depth_is_known(gpu, name):
-    """Whatever the warp decides is decided once, by the same depths. A pixel with a colour has that
-    colour's depth, a hole none."""
-    world = World(gpu, 5, SIZE)
-    got, colour = depth_of(gpu, world, name), world.warp(gpu, name)
-    assert np.array_equal(got >= 0, colour[..., 3] > 0)

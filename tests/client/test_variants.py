@@ -53,23 +53,6 @@ def test_printed_texts_are_read_back(choice):
     assert str(again) == str(choice)
 
 
-@given(choices())
-def test_the_text_is_the_shortest(choice):
-    """Settings at their defaults are not told, so two texts that differ mean two settings."""
-    _, _, told = str(choice).partition(":")
-    default = choice.entry.Settings()
-    for part in filter(None, told.split(",")):
-        name = part.partition("=")[0]
-        assert getattr(choice.settings, name) != getattr(default, name)
-
-
-@given(choices(), st.data())
-def test_blanks_and_order_do_not_matter(choice, data):
-    name, _, told = str(choice).partition(":")
-    parts = data.draw(st.permutations(told.split(",")))
-    assert parse_warp(f"{name}: " + " , ".join(part.replace("=", " = ") for part in parts)) == choice
-
-
 @together("name", warps.names())
 def test_a_name_alone_means_the_defaults(name):
     choice = parse_warp(name)

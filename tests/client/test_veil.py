@@ -6,15 +6,13 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
-from reference.iterative import iterative
-from reference.picture import HALF_UNIT, ReferencePicture, TwinInputs
+from golden_pictures import assert_golden, sheet
+from reference.picture import HALF_UNIT
 from worlds import World, read
 
 from hmdwarp.client import ShownPicture
 from hmdwarp.client.effects import Tools
 from hmdwarp.client.effects.compositing import NEARER, OverlayPass, TransparencyPass
-from hmdwarp.client.warps.iterative import OF_A_PART
-from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage, Needs, Surface, Transparent
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
@@ -24,27 +22,6 @@ from hmdwarp.sources.server import Server
 SIZES = [((64, 48), (64, 48)), ((61, 43), (50, 37)), ((1, 1), (3, 2))]
 UNKNOWN = -1.0
 TOOLS = Tools(carry=None, pictures=0)  # nothing is carried or hidden
-
-
-def lay_over(inputs: TwinInputs, passing: np.ndarray, behind: np.ndarray) -> ReferencePicture:
-    """What is shown where nothing that is known stands before the veil.
-
-    Its surface has no stretched sheets and keeps its fringes. inputs: the veil as a rendered
-    picture, premultiplied by coverage. passing: (h, w, 3) of the rendered size, 1 where no sheet
-    is. behind: (h, w, 4) of the shown size, what the veil is laid over; its holes stay holes.
-    """
-    inputs = attrs.evolve(inputs, settings=attrs.evolve(inputs.settings, sheet=0.0, fringe="own"))
-    covered = inputs.colour[..., 3:]
-    stopped = np.concatenate([(1 - passing) * covered, covered], axis=2)
-    veil, stops = iterative(inputs), iterative(attrs.evolve(inputs, colour=stopped))
-    out = behind.copy()
-    shows = (veil.colour[..., 3] > 0) & (behind[..., 3] > 0)
-    out[shows, :3] = veil.colour[shows][:, :3] + (1 - stops.colour[shows][:, :3]) * behind[shows][:, :3]
-    bright = np.abs(behind[..., :3]).max(axis=-1)
-    tolerance = veil.tolerance + bright * stops.tolerance + HALF_UNIT * np.abs(out[..., :3]).max(axis=-1)
-    return ReferencePicture(
-        out, np.where(shows, tolerance, 0), (veil.undecided | stops.undecided) & (behind[..., 3] > 0)
-    )
 
 
 class Veiled:
@@ -85,22 +62,16 @@ class Veiled:
         made.close()
         return found[0]
 
-    def twin(self):
-        asked = self.world.asked(OF_A_PART)
-        return lay_over(asked, self.passing, self.behind)
 
-
-@pytest.mark.parametrize("seed", range(6))
-@pytest.mark.parametrize("sizes", SIZES, ids=str)
-def test_the_veil_is_that_of_its_twin(gpu, seed, sizes):
-    veiled = Veiled(gpu, seed, sizes)
-    found, wanted = veiled.lay(), veiled.twin()
-    sure = ~wanted.undecided
-    assert sure.mean() > 0.5 or sizes == SIZES[2]
-    assert (np.abs(found - wanted.colour).max(axis=-1) <= wanted.tolerance)[sure].all()
-    holes = veiled.behind[..., 3] == 0
-    assert (found[holes] == 0).all() and (found[~holes][:, 3] == 1).all() and np.isfinite(found).all()
-    assert not np.array_equal(found, veiled.behind) or sizes == SIZES[2]
+def test_the_veil_over_random_pictures_looks_as_before(gpu, tmp_path):
+    """Its holes stay holes, and what is covered stays so."""
+    pictures = []
+    for number in range(2 * len(SIZES)):
+        veiled = Veiled(gpu, number // len(SIZES), SIZES[number % len(SIZES)])
+        found, holes = veiled.lay(), veiled.behind[..., 3] == 0
+        assert (found[holes] == 0).all() and (found[~holes][:, 3] == 1).all() and np.isfinite(found).all()
+        pictures.append((found, None))
+    assert_golden("effects/veil", sheet(*pictures), tmp_path)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -183,8 +154,3 @@ def test_a_real_scene_taken_apart_and_put_together_is_the_same(gpu, scene, needs
     # pixels or two, either may be in front.
     assert (error <= 12 * HALF_UNIT).mean() > 0.985
     assert np.median(error) <= HALF_UNIT
-
-
-def test_too_large_a_picture_is_refused_as_by_the_warp(gpu):
-    with pytest.raises(InputError, match="rendered picture of"):
-        TransparencyPass(gpu, frozenset({"transparency"}), (16384, 16384), (8, 8), TOOLS)

@@ -5,16 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from client_scene import ClientScene
-from replays import run, small
+from replays import run
 from worlds import read, shown_by
 
 from hmdwarp.client import PassInputs
 from hmdwarp.client.warps import Output
-from hmdwarp.errors import PlanError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.link.codec import Coding
-from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import scenes
 
 SIZE = (64, 56)
@@ -55,11 +53,6 @@ def test_each_update_is_whole_so_that_a_lost_one_is_no_matter(gpu):
     in_order = [shown(gpu, geometry, frame, HERE, 700_000_000)[0] for frame in frames]
     turned_round = [shown(gpu, geometry, frame, HERE, 700_000_000)[0] for frame in reversed(frames)]
     assert all(np.array_equal(a, b) for a, b in zip(in_order, reversed(turned_round), strict=True))
-
-
-def test_a_scene_whose_light_stands_still_is_refused_with_the_reason():
-    with pytest.raises(PlanError, match="not for scene 'planes': its light stands still"):
-        set_up_replay(small(scene="planes", warp="irradiance", fill="none"))
 
 
 @pytest.mark.parametrize("codec", ["none", "h264"])

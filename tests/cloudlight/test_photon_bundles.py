@@ -11,14 +11,11 @@ from lit_rooms import GREY, Fixed, box, cube, scene_of, wall
 
 from hmdwarp.cloudlight.photons import (
     CUBE_BYTES,
-    LEAST_BUDGET,
     BundleRoom,
     BundleSender,
     Cube,
-    PhotonMap,
     PhotonTracer,
     TracedPhotons,
-    bundle_bytes,
     kernel,
     kernel_factors,
     light_keys,
@@ -70,16 +67,6 @@ def test_sent_bundles_are_read_back():
     assert np.abs(steps / 65535 - places).max() <= 0.5001 / 65535
     assert np.array_equal(np.stack([words[:, 1] >> 16 & 255, words[:, 1] >> 24], axis=1), normals)
     assert np.array_equal(light_of(words[:, 2]), light_of(shared_exponent(powers)))
-
-
-@pytest.mark.parametrize("budget", [LEAST_BUDGET, 1000, 3000, 60_000, 10**7])
-def test_any_bundle_fits_a_frame(budget):
-    """So none takes longer than a frame; and as few as can be: twice as many would not fit."""
-    wanted = PhotonMap(budget)
-    assert CUBE_BYTES + bundle_bytes(wanted.paths_of_bundle) <= budget
-    assert wanted.paths_of_bundle == 256 or CUBE_BYTES + bundle_bytes(2 * wanted.paths_of_bundle) > budget
-    assert wanted.bundles(opened=False) * wanted.paths_of_bundle == wanted.paths
-    assert PhotonMap(budget, paths=1).bundles(opened=False) == 1
 
 
 class Network:
@@ -135,24 +122,6 @@ def test_all_bundles_end_up_current_after_loss_and_overtaking(data):
     now_there = [photons(bundle, light) for bundle, light in enumerate(lights)]
     assert np.array_equal(net.room.words(), np.concatenate(now_there))
     assert net.book.whole and not net.book.stale([bytes([light]) for light in lights])
-
-
-def test_only_what_has_changed_is_sent_and_the_oldest_first():
-    net = Network(4)
-    net.send([1, 1, 1, 1], 4, 0)
-    assert len(net.under_way[0]) == 4
-    assert not net.send([1, 1, 1, 1], 4, 1).pieces
-    assert {bundle for bundle, _ in net.send([1, 2, 1, 2], 4, 2).pieces} == {1, 3}
-    first = [bundle for bundle, _ in net.send([3, 3, 3, 3], 2, 3).pieces]
-    assert set(first) == {0, 2}, "those that were sent longest ago"
-
-
-def test_an_empty_bundle_is_sent_only_where_it_replaces_something():
-    net = Network(2)
-    assert not net.send([0, 0], 2, 0).pieces
-    assert net.send([0, 4], 2, 1).pieces == ((1, 1),)
-    assert net.send([0, 0], 2, 2).pieces == ((1, 2),)
-    assert not net.send([0, 0], 2, 3).pieces
 
 
 def test_ten_minutes_take_no_more_memory_than_ten_seconds():
@@ -290,17 +259,3 @@ def test_no_light_no_photons():
     assert not len(traced(tracer, outside, direct=True)), "nor any through the backs of walls"
     assert not len(traced(tracer_of(scene_of([], 0.5), 16, 4), POINT, direct=True))
     assert light_keys([], WHITE_SKY) == []
-
-
-def test_far_from_the_origin_photons_are_the_same():
-    near = load_scene("lantern")
-    far = attrs.evolve(
-        near,
-        origin_m=np.array((1e6, -1e6, 1e6)),
-        lamps=[Lamp(Fixed(near.lamps[0].place(0)[:3] + (1e6, -1e6, 1e6)), near.lamps[0].colour)],
-    )
-    (here,), (there,) = (
-        tracer_of(lamp_scene, 64, 4).trace(lamps_at(lamp_scene, 0)[0], [2]) for lamp_scene in (near, far)
-    )
-    # Places in the world are good to 1e-10 m there, and a bounce or ten makes more of it.
-    assert np.allclose(here.places, there.places, atol=1e-6)

@@ -9,7 +9,7 @@ from lit_rooms import GREY, box, cube, in_atlas, placed, scene_of, wall
 
 from hmdwarp.cloudlight.radiosity import RAYS, direct_light, transport_of
 from hmdwarp.errors import SceneError
-from hmdwarp.scenes import Background, Lamp, Pendulum, Scene, lamps_at, scenes, with_lamps_stopped
+from hmdwarp.scenes import Lamp, Pendulum, Scene, lamps_at, scenes
 
 
 def test_a_furnace_glows_everywhere_alike(tmp_path):
@@ -68,15 +68,6 @@ def test_no_light_comes_through_a_wall(tmp_path, place):
         assert (light == 0).all()
 
 
-def test_no_lamps_no_light_but_the_sky(tmp_path):
-    """Under an even sky an open patch gets all of it, an empty scene nothing."""
-    floor = wall((0, 0, 0), (1, 0, 0), (0, 0, -1), GREY)
-    transport = transport_of(scene_of([floor], 1.0, background=Background.uniform((0.5, 0.4, 0.3))), tmp_path)
-    assert np.allclose(transport.indirect(transport.direct([])), (0.5, 0.4, 0.3))
-    empty = transport_of(scene_of([], 1.0), tmp_path)
-    assert (empty.atlas(empty.indirect(empty.direct([])))[..., :3] == 0).all()
-
-
 def test_form_factors_are_kept(tmp_path):
     quads = cube()
     first = transport_of(scene_of(quads, 1.0), tmp_path)
@@ -103,16 +94,6 @@ def test_scenes_that_lamps_cannot_light_are_refused():
     flat = attrs.evolve(plain, positions=np.zeros_like(plain.positions))
     with pytest.raises(SceneError, match=f"mesh '{flat.name}': a triangle has no area"):
         transport_of(Scene("trial", "for tests", [flat], lamps=[lamp]))
-
-
-def test_stopped_lamps_stay_where_they_were():
-    scene = scenes.get("lantern").build()
-    stopped = with_lamps_stopped(scene, 500_000_000)
-    for time_ns in (0, 9_000_000_000):
-        assert np.array_equal(lamps_at(stopped, time_ns)[0][0], lamps_at(scene, 500_000_000)[0][0])
-    assert transport_of(stopped) is transport_of(scene)
-    still = scenes.get("planes").build()
-    assert with_lamps_stopped(still) is still
 
 
 @pytest.mark.parametrize("time_ms", [300, 1000, 1500, 2500])

@@ -15,7 +15,6 @@ from hmdwarp.cloudlight.voxels import VoxelGrid, voxel_surfaces
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
-from hmdwarp.geometry.cube import FACES
 from hmdwarp.scenes import Background, Lamp, Scene, load_scene
 from hmdwarp.sources.server import Server
 
@@ -65,14 +64,6 @@ def lit(gpu, scene, view=VIEW, text="voxels:size=32", time_ns=0, size=SIZE, need
     found = read(eye.colour)[..., :3].astype(float), keep(eye)
     server.close()
     return found
-
-
-def test_a_white_surface_in_the_open_shines_as_the_sky(gpu):
-    """No cone meets anything, all have the same sky, and their shares sum to 1: halves round."""
-    floor = wall((0, 0, -2), (3, 0, 0), (0, 0, -3), WHITE)
-    view = View(Pose((0, 1.5, 0), (-0.5, 0, 0, 0.8)), Fov(-0.3, 0.3, -0.3, 0.3))
-    got, _ = lit(gpu, scene_of(floor, sky=Background.uniform((0.5, 0.25, 2.0))), view)
-    assert np.allclose(got, (0.5, 0.25, 2.0), rtol=4 * HALF)
 
 
 @pytest.mark.parametrize("cones", [4, 6, 16])
@@ -135,37 +126,6 @@ def test_far_from_the_origin_it_is_the_same_picture(gpu):
         pictures.append(lit(gpu, scene, View(Pose(origin + (0.1, 1.0, 0.5)), FOV))[0])
     same = np.isclose(*pictures, rtol=4 * HALF, atol=1e-4).all(axis=2)
     assert same.mean() > 0.99
-
-
-def test_the_cube_has_the_light_of_the_picture(gpu):
-    """Within its face ahead lies the picture of a right angle, pixel for pixel. Cones look from
-    pixels of half the size, which lie elsewhere in the two: half a pixel of 2/32, where light
-    halves within a cell of 7 cm beside an edge, is below a tenth, and next to nothing elsewhere."""
-    scene = scene_of(*room((0.7, 0.6, 0.5)), lamps=[lamp((0.3, 1.5, 0.2), (1, 1, 1))])
-    view = View(Pose((0.1, 1.0, 0.2)), Fov(*[sign * math.pi / 4 for sign in (-1, 1, -1, 1)]))
-    got, eye = lit(gpu, scene, view, needs=Needs(cube=True), size=(32, 32), keep=lambda eye: read(eye["cube"]))
-    ahead = FACES[1]
-    x, y = 34 * ahead.column + 1, 34 * ahead.row + 1
-    apart = np.abs(eye[y : y + 32, x : x + 32, :3] / got - 1)
-    assert np.median(apart) < 0.01 and apart.max() < 0.1
-
-
-def test_peeled_layers_are_lit_as_the_picture(gpu):
-    """The layer behind boxes is lit from the grid too: as near to converged light as the picture,
-    but for the floor under them, since surfaces stop no light that comes from behind."""
-    server, time_ns = Server(gpu, load_scene("lantern")), 700_000_000
-    shown = []
-    for needs in (Needs(peeled=1), Needs(peeled=1) | lit_by("voxels:size=32")):
-        frame = server.draw_frame([VIEW], time_ns, SIZE, needs=needs)
-        shown.append(read(frame.eyes[0]["peeled"][0].colour).astype(float))
-        server.recycle(frame)
-    server.close()
-    there = shown[0][..., 3] > 0
-    assert np.array_equal(there, shown[1][..., 3] > 0)
-    bright = there & (shown[0][..., :3].mean(axis=2) > 0.005)
-    share = (shown[1][bright] / shown[0][bright])[:, :3]
-    assert len(share) > 50 and 0.9 < np.median(share) < 1.1
-    assert not np.array_equal(*shown)
 
 
 def test_the_grid_is_lit_at_its_rate_and_shared_by_all_views(gpu):
@@ -257,17 +217,6 @@ def test_no_area_is_lost_or_made(name):
     assert pieces.areas.sum() * grid.cell_m**2 == pytest.approx(known, rel=1e-9)
 
 
-def test_a_square_fills_cells_whole_halves_at_its_sides_and_quarters_at_its_corners():
-    """It is 13 cells wide, from the middle of a cell to that of another, by the grid's rule."""
-    grid, pieces, areas = covered(surfaces_of(wall((0, 0.5, 0), (1, 0, 0), (0, 0, -1), GREY)), 16)
-    along = np.array([0, 0.5, *[1.0] * 12, 0.5, 0])
-    assert grid.cell_m == pytest.approx(2 / 13)
-    assert np.allclose(areas.sum(axis=1), np.outer(along, along))
-    assert len(pieces) == 14 * 14
-    assert np.allclose(pieces.normals, (0, 1, 0)) and np.allclose(pieces.places[:, 1], 0.5)
-    assert np.allclose(pieces.albedo, GREY, atol=1e-7)
-
-
 def test_a_slanted_square_covers_each_cell_as_a_fine_raster_of_it_does():
     """A cell gets its share of 2000 x 2000 points; one of about 200 cells has about 20000, whose
     even spacing leaves at most a row along each side in doubt: 4 x 141 of them, 3 %."""
@@ -281,8 +230,3 @@ def test_a_slanted_square_covers_each_cell_as_a_fine_raster_of_it_does():
     whole = 4 * np.linalg.norm(np.cross(right, up)) / grid.cell_m**2
     assert np.abs(areas - counted / 2000**2 * whole).max() < 0.03 * whole / 200 * 2
     assert pieces.areas.sum() == pytest.approx(whole)
-
-
-def test_a_scene_where_nothing_is_lit_has_no_pieces():
-    grid = VoxelGrid.around(load_scene("planes"), 8)
-    assert len(voxel_surfaces(load_scene("planes"), grid)) == 0 and np.isfinite(grid.low).all()

@@ -1,4 +1,4 @@
-"""Mirrors in an eye's axes, how much they throw back, and the cube around an eye."""
+"""Mirrors in an eye's axes, and the cube around an eye."""
 
 from __future__ import annotations
 

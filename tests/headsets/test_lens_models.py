@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from panels import in_two_passes, panel_of, world_before
 from replays import run
 from scipy.interpolate import PchipInterpolator
+from worlds import read
 
 from hmdwarp.client.lens import lenses
 from hmdwarp.errors import InputError
@@ -195,7 +196,7 @@ def test_the_pass_shows_what_the_formulas_say(gpu, request, name, eye):
         canvas.texture.write(shown.astype(np.float16).tobytes(), alignment=1)
         lenses.get(headset.lens.model)(gpu, headset, panel_size).run(canvas, headset.eyes[eye].fov, eye, panel)
         gpu.gl.memory_barrier()
-        out = np.frombuffer(panel.texture.read(alignment=1), np.float16).reshape(*panel_size[::-1], 4).astype(float)
+        out = read(panel.texture)
         tangents, low = headset.eyes[eye].fov.tangents, headset.eyes[eye].fov.tangents[2 * axis]
         for channel, wanted_colour in enumerate(COLOURS):
             found = shown_tangents(headset, eye, panel_size, wanted_colour)

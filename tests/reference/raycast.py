@@ -109,3 +109,11 @@ def cast_triangles(corners: ArrayLike, eye: Array, rays: Array) -> Hits:
             out.inverse_depth[index], out.shape[index], out.uv[index] = inverse[best], best, (u[best], v[best])
             out.cosine[index] = abs(slope[best]) / (np.linalg.norm(ray) * np.linalg.norm(normal[best]))
     return out
+
+
+def away_from_edges(shape: Array) -> Array:
+    """Pixels (h, w) whose 3 x 3 neighbours all meet the same shape; none at the border."""
+    same, inner = np.zeros(shape.shape, bool), shape[1:-1, 1:-1]
+    around = np.lib.stride_tricks.sliding_window_view(shape, (3, 3))
+    same[1:-1, 1:-1] = (around == inner[..., None, None]).all(axis=(2, 3))
+    return same

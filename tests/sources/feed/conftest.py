@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
+
 import pytest
+from serving import Serving
 
 from hmdwarp.sources.feed import listener, sockets
 
@@ -12,3 +15,17 @@ def nobody_is_silent(monkeypatch):
     """A machine that stands still makes clients of this process silent: tests of silence set it."""
     for module in (listener, sockets):
         monkeypatch.setattr(module, "SILENT_NS", 10**15)
+
+
+@pytest.fixture(scope="session")
+def serving_of():
+    """Return the address of a server of a scene; each is started once."""
+    with ExitStack() as stack:
+        found: dict[str, Serving] = {}
+
+        def of(scene: str) -> str:
+            if scene not in found:
+                found[scene] = stack.enter_context(Serving("--scene", scene))
+            return found[scene].address
+
+        yield of

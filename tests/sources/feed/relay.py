@@ -6,11 +6,8 @@ import contextlib
 import queue
 import random
 import socket
-import struct
 import threading
 import time
-
-RESET = struct.pack("ii", 1, 0)  # of SO_LINGER: what closes drops all that is not sent, and says so
 
 
 class Relay:
@@ -118,13 +115,11 @@ class Relay:
         for end in connection:
             end.close()
 
-    def cut(self, *, reset: bool = False) -> None:
-        """Break every connection there is, by an end or a reset; new ones pass unless is_down."""
+    def cut(self) -> None:
+        """Break every connection there is; new ones pass unless is_down."""
         with self._lock:
             for connection in self._ways:
                 for end in connection:
-                    if reset:
-                        end.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, RESET)
                     _hang_up(end)
 
     def __enter__(self) -> Relay:

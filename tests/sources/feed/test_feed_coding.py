@@ -14,7 +14,6 @@ from hmdwarp.pipeline.feed_coding import FeedDecoder, FeedEncoder, depth_error
 from hmdwarp.sources.feed.message import (
     ANY,
     AV1,
-    DEPTH_CODES,
     DEPTH_EXACT,
     DEPTH_VIDEO,
     H264,
@@ -23,7 +22,6 @@ from hmdwarp.sources.feed.message import (
     NONE,
     RGBA8,
     VP9,
-    DepthCodes,
     FrameMessage,
     Wish,
     decode,
@@ -85,15 +83,6 @@ def test_depth_that_is_not_wished_is_left_out_and_all_of_the_picture_counts_as_d
         assert np.abs(light.astype(float) - frame.light(1)).mean() < 0.02 and (light[..., 3] == 1).all()
 
 
-def test_a_video_beside_depth_in_16_bits_is_decoded():
-    frame = drawn(0)
-    codes = DepthCodes(np.where(frame.inverse_depths[0] > 0, 9, 65535).astype(np.uint16), 0.5)
-    sent = asked(H264, DEPTH_CODES).encode(attrs.evolve(frame, inverse_depths=(codes,) * 2))
-    back = FeedDecoder().decode(decode(encode(sent)))
-    assert set(np.unique(back.inverse_depths[1])) == {-1, 4.5}
-    np.testing.assert_array_equal(back.colours[0][..., 3] == 0, codes.codes == 65535)
-
-
 @pytest.mark.parametrize("largest", [0.9, 3.0, 300.0])
 @pytest.mark.parametrize("wished", [H264, RGBA8])
 def test_light_beyond_1_is_kept_where_the_picture_is_light_alone(wished, largest):
@@ -112,13 +101,6 @@ def test_light_beyond_1_is_kept_where_the_picture_is_light_alone(wished, largest
             # The rounding of a byte and the codec's at its best are half of that each.
             assert np.median(np.abs(np.log2(ratio))) < 1 / 4 and found.max() > largest / 2
         assert np.median(np.abs(found[..., :3] - frame.light(eye)[..., :3])[~bright]) < 0.02
-
-
-def test_how_far_light_reaches_is_one_of_few_numbers():
-    coded = asked(H264, INVERSE_DEPTH).encode(drawn(0))
-    for stops in ([[3.0]], [[2.0, 2.0]], [[np.nan]], [[-1.0]]):
-        with pytest.raises(Undecodable, match="light that reaches"):
-            FeedDecoder().decode(attrs.evolve(coded, layers=({"light": [np.array(stops)]},) * 2))
 
 
 def test_hostile_coded_pictures_are_decoded_or_refused():

@@ -5,14 +5,12 @@ import numpy as np
 import pytest
 from replays import rows_of
 from run.offscreen import OffscreenDisplay, run_on
-from run.test_inputs import looking_at
 from serving import Serving
 
 from hmdwarp.display import Closed, Command
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.run import LiveOptions, live
-from hmdwarp.scenes import read_inputs
 
 from .exchange import feeder
 
@@ -27,12 +25,6 @@ class Closable(OffscreenDisplay):
             self._events[self._number + 3] = Closed("the window was closed")
 
 
-@pytest.fixture(scope="module")
-def serving():
-    with Serving() as one:
-        yield one
-
-
 def options(address: str, **more) -> LiveOptions:
     said = {
         "source": "offscreen",
@@ -45,7 +37,7 @@ def options(address: str, **more) -> LiveOptions:
     return LiveOptions.of({**said, "panel": False, **more})
 
 
-def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(serving, monkeypatch, tmp_path):
+def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(serving_of, monkeypatch, tmp_path):
     """What is the server's is not changed, and what is the client's is; its scene is here too."""
     changes = {
         3: [Command("latency")],
@@ -54,7 +46,7 @@ def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(servin
         6: [Command("warp", "none")],
     }
     display = OffscreenDisplay(asked=changes, keeps=True)
-    asked = options(serving.address, pictures=12, latency=900.0, out=tmp_path / "out")
+    asked = options(serving_of("planes"), pictures=12, latency=900.0, out=tmp_path / "out")
     summary = run_on(monkeypatch, display, asked).summary
     assert summary["scene"] == "server"  # whose address stands in link.feed
     assert summary["latency_ms"] not in (0, 900) and "input" not in summary
@@ -68,66 +60,11 @@ def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(servin
     for told in ("the server's scene", "latency and scene are the server's", "does not react to what people do"):
         assert sum(told in line for line in display.said) == 1, told
     display = OffscreenDisplay(keeps=True)
-    named = options(serving.address, pictures=6, scene="planes", warp="model")
+    named = options(serving_of("planes"), pictures=6, scene="planes", warp="model")
     summary = run_on(monkeypatch, display, named).summary
     assert any("scene 'planes' on both ends" in line for line in display.said)
     assert summary["scene"] == "planes" and summary["link"]["feed"]["malformed"] == 0
     assert display.pictures[-1].std() > 10
-
-
-def test_frames_are_coded_as_requested_and_begin_anew_after_a_change(serving, monkeypatch, tmp_path):
-    """A video has pictures that need others: another size begins one, and nothing is lost."""
-    coding = {"codec": "h264", "crf": 20, "depth_code": "exact"}
-    asked = options(serving.address, pictures=14, effects="none", out=tmp_path / "out", **coding)
-    display = OffscreenDisplay(asked={6: [Command("guard", 1.25)]}, keeps=True)
-    summary = run_on(monkeypatch, display, asked).summary
-    link = summary["link"]
-    assert link["codec"] == "h264" and link["feed"]["undecodable"] == link["feed"]["malformed"] == 0
-    assert [name for change in summary["live"]["changes"] for name in change["what"]] == ["guard"]
-    # A drawn scene packs at least four times: of both eyes 12 bytes a pixel.
-    width, height = summary["size"]
-    assert 0 < link["frame_bytes"] < 2 * 12 * width * height / 4
-    for shown in (display.pictures[4:6], display.pictures[-3:]):
-        assert min(picture.std() for picture in shown) > 10
-
-
-class Switching(Closable):
-    """Its user acts with the third picture, and goes with one that was drawn since. The mean of
-    each is kept."""
-
-    def __init__(self, command: Command, **more) -> None:
-        super().__init__(keeps=True, **more)
-        self.command = command
-        self.means: list[float] = []
-        self.pressed_ns = 2**62
-
-    def show(self, refresh, label="") -> int:
-        submitted_ns = super().show(refresh, label)
-        if refresh is not None:
-            self.means.append(float(self.pictures[-1].mean()))
-            if len(self.means) == 3:
-                self._asked[self._number], self.pressed_ns = [self.command], self.now_ns()
-            elif refresh.frame.drawn_ns > self.pressed_ns + 1_000_000_000:
-                self.ask_to_close()
-        return submitted_ns
-
-
-@pytest.mark.parametrize(("scene", "action"), [("server", "push"), ("playroom", "switch")])
-def test_what_people_do_in_a_live_run_reaches_the_server_and_comes_back(monkeypatch, tmp_path, scene, action):
-    """The lamp is switched off as soon as there is a picture, and frames come until it shows. By a
-    trigger where only the server knows that it is a lamp."""
-    track = looking_at((0.0, "lamp"), (1.0, "lamp"))
-    command = Command(action, hand=Pose(track.position_m[0], track.orientation_xyzw[0]))
-    recording = tmp_path / "head.csv"
-    with Serving("--scene", "playroom", "--samples", "1") as server:
-        display = Switching(command, track=track)
-        asked = options(server.address, scene=scene, warp="none", record=recording)
-        summary = run_on(monkeypatch, display, asked).summary
-    (event,) = read_inputs(tmp_path / "head.input.csv")
-    assert (event.action, event.target) == (action, {"server": "", "playroom": "lamp"}[scene])
-    assert summary["input"]["answered"] == 1
-    # That lamp gives more than half of the light.
-    assert display.means[-1] < 0.75 * display.means[0]
 
 
 def test_a_warp_whose_layer_the_server_lacks_is_reported_and_can_be_left(monkeypatch):

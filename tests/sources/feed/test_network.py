@@ -1,13 +1,10 @@
 """What a network does to the feed: each of it is told, taken up again, and bounded."""
 
 import itertools
-import multiprocessing
 import os
 import signal
 import sys
-import threading
 import time
-from contextlib import closing
 
 import attrs
 import numpy as np
@@ -21,13 +18,12 @@ from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.sources.feed import FeedOptions, sockets
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.listener import Listener
-from hmdwarp.sources.feed.sockets import SILENT_NS
 
 from .exchange import answered, exchanged, feeder, port_of
 from .messages import ASK, FRAME
 from .relay import Relay
 
-zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
+pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 
 
 @pytest.fixture
@@ -117,40 +113,6 @@ def test_a_cut_link_is_taken_up_again(relay, listener, caller):
     assert caller.malformed == 0 and caller.clock.jumps == 0
 
 
-def test_frames_lost_in_a_cut_do_not_end_the_session(relay, listener, monkeypatch):
-    """The library has told of a frame, and more wait; the link is cut before any is read."""
-    told, cut = threading.Event(), threading.Event()
-    # Before each hundredth message the library looks at what has happened to the connection.
-    frames = itertools.count(1)
-
-    class Slow(zmq.Poller):
-        def poll(self, timeout=None):
-            ready = super().poll(timeout)
-            if any(socket.type == zmq.DEALER for socket, _ in ready) and next(frames) == 100:
-                told.set()
-                cut.wait()
-            return ready
-
-    monkeypatch.setattr(zmq, "Poller", Slow)
-    caller = Caller(relay.address)
-    while not told.is_set():
-        ask(caller, next(_LATE))
-        answered(listener)
-    for _ in range(8):
-        ask(caller, next(_LATE))
-        answered(listener)
-    connections = relay.accepted
-    relay.cut(reset=True)
-    # Whoever calls over it at the usual time has called.
-    time.sleep(1.5 * sockets.CALLS["HEARTBEAT_IVL"] / 1000)
-    # The library has called again, and forgotten what it had from before.
-    while relay.accepted == connections:
-        time.sleep(0.01)
-    cut.set()
-    exchanged(caller, listener)
-    caller.close()
-
-
 def silenced(relay, where: str) -> None:
     """Let the link fall silent, without an end."""
     for_good, ways = where.startswith("for good"), {"up", "down"} & set(where.split()) or {"up", "down"}
@@ -185,9 +147,7 @@ def steps(remote: Remote, size: tuple[int, int], lives=lambda: True):
 
 
 @pytest.mark.parametrize("seconds", SECONDS)
-@pytest.mark.parametrize(
-    "where", ["up", "down", "up and down", "connecting", "within a frame", "for good", "for good up", "for good down"]
-)
+@pytest.mark.parametrize("where", ["up", "down", "connecting", "within a frame", "for good", "for good up"])
 def test_a_link_that_falls_silent_is_told_and_taken_up_again(monkeypatch, where, seconds):
     """One that is silent for good stays so: the client makes a new connection."""
     # The server's limit, which is all that ends a connection of which only the way up is lost.
@@ -210,7 +170,7 @@ def test_a_link_that_falls_silent_is_told_and_taken_up_again(monkeypatch, where,
         while not next(came) or remote.notice:
             pass
         timed(f"silent, {where}", 0 if "for good" in where else seconds, told_s, time.monotonic() - begun)
-        if where not in ("up", "down", "up and down"):
+        if where not in ("up", "down"):
             assert relay.accepted > connections
         assert remote.summary()["malformed"] == 0
         # However long it takes, it is said once.
@@ -244,52 +204,6 @@ def test_a_server_that_is_stopped_is_told_and_taken_up_again(seconds):
         assert one.process.poll() is None
 
 
-def stepping(address: str, counted, noticed) -> None:
-    """A client in a process of its own: counts its frames, and notes that one was missed."""
-    remote = Remote(FeedOptions(connect=address), holds=False, say=lambda line: None)
-    for came in steps(remote, (64, 48)):
-        counted.value += came
-        noticed.value = bool(remote.notice)
-
-
-@pytest.mark.parametrize("seconds", SECONDS)
-def test_a_client_that_is_stopped_goes_on_and_others_notice_nothing(seconds):
-    spawn = multiprocessing.get_context("spawn")
-    counted, noticed = spawn.Value("l", 0, lock=False), spawn.Value("b", 0, lock=False)
-    with Serving() as one, closing(Caller(one.address)) as other:
-        numbers, longest_s = itertools.count(1), 0.0
-
-        def frame_for_the_other() -> None:
-            nonlocal longest_s
-            begun = time.monotonic()
-            while not other.take():  # a request of a connection that ends is lost
-                assert one.process.poll() is None and stopped.is_alive()
-                ask(other, next(numbers))
-                other.wait_until(time.monotonic_ns() + 20_000_000)
-            longest_s = max(longest_s, time.monotonic() - begun)
-
-        stopped = spawn.Process(target=stepping, args=(one.address, counted, noticed), daemon=True)
-        stopped.start()
-        while not counted.value:
-            frame_for_the_other()
-        os.kill(stopped.pid, signal.SIGSTOP)
-        begun, longest_s = time.monotonic(), 0.0
-        while time.monotonic() - begun < seconds:
-            frame_for_the_other()
-        waited_s, before = longest_s, counted.value
-        os.kill(stopped.pid, signal.SIGCONT)
-        begun = time.monotonic()
-        while counted.value < before + 5 or noticed.value:
-            frame_for_the_other()
-        timed(f"a stopped client; another waited {waited_s:.2f} s at most,", seconds, 0, time.monotonic() - begun)
-        if seconds * 1e9 > 1.5 * SILENT_NS:
-            assert "silent for 10 s" in one.line("superseded")
-        # The other got a frame each time while the client was stopped, or this would not end.
-        assert one.process.poll() is None
-        stopped.kill()
-        stopped.join()
-
-
 def test_a_long_frame_over_a_narrow_link_is_no_silence(relay, listener, caller):
     """The library's own heartbeats would hear nothing until the whole frame is there."""
     exchanged(caller, listener)
@@ -314,30 +228,3 @@ def test_a_client_that_asks_for_nothing_for_a_while_misses_nothing(relay, listen
     remote.arrived(0)
     assert not remote.notice and not lines and remote.summary()["lost"] == 0
     remote.close()
-
-
-def test_a_clock_that_jumps_is_reported_and_followed(relay, listener, caller):
-    """The server's clock is set back by an hour while it serves."""
-    hour_ns, numbers = 3_600_000_000_000, iter(range(40_000, 50_000))
-
-    def through(shift_ns: int) -> None:
-        for _ in range(500):
-            ask(caller, next(numbers))
-            asked = listener.next(10)
-            if asked is not None:
-                now_ns = time.monotonic_ns() + shift_ns
-                times = {"asked_ns": asked.ask.sent_ns, "received_ns": asked.received_ns + shift_ns, "sent_ns": now_ns}
-                listener.answer(asked, attrs.evolve(FRAME, number=asked.ask.number, **times))
-            caller.wait_until(time.monotonic_ns() + 5_000_000)
-            if caller.take():
-                return
-        raise AssertionError("no frame came")
-
-    through(0)
-    through(-hour_ns)
-    lines = caller.lines()
-    while not lines:
-        through(-hour_ns)
-        lines = caller.lines()
-    assert "has jumped" in lines[0] and caller.clock.jumps == 1
-    assert abs(caller.clock.offset_ns + hour_ns) <= caller.clock.round_trip_ns / 2

@@ -15,7 +15,7 @@ from hmdwarp.pipeline.remote import Remote
 from hmdwarp.poses import PoseTrack
 from hmdwarp.poses.writing import write_native
 from hmdwarp.run import set_up_replay
-from hmdwarp.scenes import InputBook, load_scene
+from hmdwarp.scenes import load_scene
 from hmdwarp.sources.feed import FeedOptions
 from hmdwarp.sources.server import Server
 
@@ -137,20 +137,6 @@ def test_what_people_do_crosses_a_proxy_also_to_one_that_was_started_again(gpu, 
             frame = setup.loop.show(instant_ns).frame
             known = frame.drawn_ns > told_ns and np.array_equal(*pictures(setup, frame))
         shown_until(setup, numbered, max(dark) / 1_000_000 + 1)
-
-
-def test_a_client_that_acted_and_begins_anew_finds_a_scene_in_which_nobody_did(gpu, tmp_path, monkeypatch, between):
-    monkeypatch.setattr(Remote, "pace", patient)
-    with acting(gpu, tmp_path, between) as setup:
-        numbered = setup.schedule.numbered()
-        shown_until(setup, numbered, OFF_MS)
-        remote = setup.source.remote
-        patient(remote, 0)
-        remote.forget()
-        remote._acted.clear()
-        setup.source.inputs.book = InputBook()
-        _, now_ns = next(numbered)
-        shown_until(setup, numbered, OFF_MS + 1, now_ns + 1)
 
 
 def test_what_the_server_refuses_the_proxy_refuses(gpu, tmp_path, between):

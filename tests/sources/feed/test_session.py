@@ -311,10 +311,3 @@ def test_a_drift_that_the_ways_may_feign_is_not_told():
     for number in range(8):
         found.add(exchange(number * 3000 * MS, 100 * MS * (number % 2), 100 * MS * ((number + 1) % 2), 0))
     assert found.drift is None and found.summary()["drift_ppm"] is None
-
-
-def test_impossible_exchanges_are_left_out():
-    found = Alignment()
-    found.add(Exchange(10, 0, 100, 20))
-    found.add(Exchange(10, 5, 4, 20))
-    assert found.summary() == {"jumps": 0}

@@ -81,11 +81,6 @@ def test_it_says_what_it_is_and_what_it_needs(name):
     assert str(parse_repairs(name).text) == name
 
 
-def test_chains_are_read_as_fills_are():
-    assert parse_repairs("none").steps == ()
-    assert parse_repairs("edges:most=3 + complete:least=0.50").text == "edges:most=3+complete:least=0.5"
-
-
 @pytest.mark.parametrize(
     ("text", "error", "message"),
     [
@@ -175,26 +170,6 @@ def test_a_gap_at_a_silhouette_goes_to_each_side_by_its_colour(size):
     block = -(-max(size) // 320)
     assert wrong.sum() <= (block > 1) * 2 * block * 2 * np.pi * 0.3 * size[1]
     assert set(np.unique(found.inverse_depth)) == {np.float32(1), np.float32(0.25)}  # never between them
-
-
-@pytest.mark.parametrize("slope", [0.0, 0.002, -0.004])
-def test_a_gap_in_a_plane_is_closed_by_the_plane(slope):
-    """Proposals lie on the plane, at most the gap's width away: off by slope * width at most."""
-    inverse = (1 + slope * np.indices((40, 60))[1]).astype(np.float32)
-    given = inverse.copy()
-    given[15:25, 20:32] = np.nan
-    found = complete(np.full((40, 60, 3), 0.5, np.float32), given).inverse_depth
-    assert np.abs(found - inverse).max() <= abs(slope) * 12 + 1e-6
-
-
-def test_the_sky_stays_infinitely_far_and_a_gap_next_to_it_may_join_it():
-    """Depth of 0 /m is measured; a gap is neither near nor far until it is known."""
-    above = np.indices((20, 30))[0] < 10
-    inverse = np.where(above, 0, 0.5).astype(np.float32)
-    colour = np.where(above[..., None], 0.9, 0.1).astype(np.float32) * np.ones(3, np.float32)
-    given = inverse.copy()
-    given[6:14] = np.nan
-    assert same(complete(colour, given).inverse_depth, inverse)
 
 
 def test_confidence_falls_with_distance_and_between_surfaces():

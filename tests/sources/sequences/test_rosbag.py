@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from recorded_folders import taken
-from ros_bags import BEGINS_NS, HAS_ROSBAGS, Logged, Messages, logged, write_bag, write_ros1, write_ros2
+from ros_bags import HAS_ROSBAGS, Logged, Messages, logged, write_bag, write_ros2
 
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.assumptions import By
 from hmdwarp.sources import sequences
-from hmdwarp.sources.sequences import SequenceOptions, parse_intrinsics
+from hmdwarp.sources.sequences import SequenceOptions
 
 from .folders import fact, refused
 
@@ -33,13 +33,6 @@ def without(*topics: str) -> Callable[[Messages, Logged], Iterator[Logged]]:
     return lambda _, row: iter([] if row[0] in topics else [row])
 
 
-def test_a_file_is_read_as_its_folder_is(tmp_path):
-    """Also a single .db3 beside its metadata."""
-    write_ros2(tmp_path, taken(2))
-    found = [sequences.open(path).frames[1] for path in (tmp_path, next(tmp_path.glob("*.db3")))]
-    assert found[0].pose.isclose(found[1].pose, 0) and np.array_equal(found[0].colour, found[1].colour)
-
-
 def test_one_file_of_several_is_told(tmp_path):
     """A recorder begins a new file after so many bytes; alone it is a part of frames and poses."""
     write_ros2(tmp_path, taken(2))
@@ -50,15 +43,6 @@ def test_one_file_of_several_is_told(tmp_path):
     said = f"{file.name} is one of the 2 files of its recording"
     assert any(note.startswith(said) for note in sequences.open(file).notes)
     assert any(said in str(defect) for defect in load_trace(file).defects)
-
-
-def test_what_was_taken_is_said(tmp_path):
-    write_ros1(tmp_path, taken(2))
-    sequence = sequences.open(tmp_path)
-    topics, by = fact(sequence, "topics")
-    assert by is By.DEFAULT and f"colour {COLOUR}, depth {DEPTH}, info /camera/color/camera_info" in topics
-    assert fact(sequence, "camera pose") == ("'map' from 'camera_color_optical_frame', by TF", By.FILE)
-    assert sequence.track.epoch_ns == BEGINS_NS
 
 
 def test_of_several_cameras_the_user_names_one(tmp_path):
@@ -109,22 +93,6 @@ def test_a_lens_that_distorts_is_refused_unless_its_picture_is_rectified(tmp_pat
     assert len(sequences.open(changed(tmp_path / "rect", rectified)).frames) == 3
 
 
-def test_without_camera_info_the_user_states_intrinsics(tmp_path):
-    changed(tmp_path, without("/camera/color/camera_info"))
-    refused(tmp_path, "--intrinsics")
-    options = SequenceOptions(intrinsics=parse_intrinsics("40,42,17.3,11.1"))
-    assert fact(sequences.open(tmp_path, options), "intrinsics")[1] is By.USER
-
-
-def test_odometry_without_transforms_is_taken_at_the_camera_and_nobody_says_so(tmp_path):
-    """It looks along x, as REP 103 has a body."""
-    found = sequences.open(changed(tmp_path, without("/tf_static"), "odometry"))
-    value, by = fact(found, "camera pose")
-    assert by is By.DEFAULT and value == "/odom of 'base_link', which looks along x, at the camera's place"
-    apart = found.frames[2].pose.position_m - taken(3)[2].pose.position_m
-    assert np.linalg.norm(apart) == pytest.approx(np.linalg.norm([0.1, 0.02, 0.3]), abs=1e-9)
-
-
 @pytest.mark.parametrize("topic", [DEPTH, "/tf", "/odom"])
 def test_clocks_that_are_apart_are_told_with_how_far(topic, tmp_path):
     """One topic is stamped by a clock that began an hour later."""
@@ -137,16 +105,6 @@ def test_clocks_that_are_apart_are_told_with_how_far(topic, tmp_path):
 
     changed(tmp_path, ahead, "odometry" if topic == "/odom" else "tf")
     refused(tmp_path, "the clocks are 3599.9", f"{COLOUR}: 17000", f"{topic}", "expected one clock")
-
-
-def test_frames_beyond_the_motion_are_left_out(tmp_path):
-    def shorter(_: Messages, row: Logged) -> Iterator[Logged]:
-        if row[0] != "/tf" or row[2] < BEGINS_NS + taken(3)[2].time_ns:
-            yield row
-
-    sequence = sequences.open(changed(tmp_path, shorter))
-    assert len(sequence.frames) == 2
-    assert sequence.notes == ("1 frames were left out: no depth within 20 ms, or no pose at their instants.",)
 
 
 @pytest.mark.parametrize(("lacks", "holds"), [(COLOUR, DEPTH), (DEPTH, COLOUR), ("/tf", COLOUR)])

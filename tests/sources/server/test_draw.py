@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from mirrored import shapes_of
 from reference._rays import world_directions
-from reference.raycast import Hits, cast_quads, cast_spheres, cast_triangles, nearest
-from scipy import ndimage
+from reference.raycast import Hits, away_from_edges, cast_quads
 from scipy.spatial.transform import Rotation
 from worlds import pixels
 
@@ -41,17 +40,6 @@ def random_view(seed: int, wide: float = 1.0) -> View:
         wide * rng.uniform(0.3, 0.7),
     )
     return View(Pose(rng.uniform((-0.3, 1.3, -0.3), (0.3, 1.9, 0.3)), turn.as_quat()), fov)
-
-
-def away_from_edges(shape: np.ndarray) -> np.ndarray:
-    """Pixels whose 3 x 3 neighbours all meet the same shape."""
-    same = np.ones(shape.shape, bool)
-    same[0], same[-1], same[:, 0], same[:, -1] = False, False, False, False
-    inner = shape[1:-1, 1:-1]
-    for dy in (0, 1, 2):
-        for dx in (0, 1, 2):
-            same[1:-1, 1:-1] &= shape[dy : dy + inner.shape[0], dx : dx + inner.shape[1]] == inner
-    return same
 
 
 def cast_planes(view: View, size: tuple[int, int]) -> Hits:
@@ -92,107 +80,6 @@ def test_inverse_depth_of_planes_is_that_of_rays(planes, seed):
     assert safe.mean() > 0.5
     assert (np.abs(drawn - exact) <= depth_tolerance(exact))[safe].all()
     assert (drawn[safe & (shape < 0)] == 0).all()
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_inverse_depth_of_spheres_is_that_of_rays_within_the_flatness_of_their_cells(serve, seed):
-    server, view = serve("spheres"), random_view(seed)
-    rays, eye = world_directions(view, SIZE).reshape(-1, 3), view.pose.position_m
-    hits = nearest(
-        cast_spheres([(*b.centre, b.radius) for b in BALLS], eye, rays),
-        cast_quads([(FLOOR.centre, FLOOR.right, FLOOR.up)], eye, rays),
-    )
-    exact, shape, cosine = (a.reshape(SIZE[::-1]) for a in (hits.inverse_depth, hits.shape, hits.cosine))
-    drawn = pixels(server.draw(view, SIZE).inverse_depth)
-    # A flat cell lies at most `sagitta` inside the ball: the ray goes at most sagitta / cosine
-    # farther (x 1.5, as the ball curves away meanwhile), and inverse depth falls by its square
-    # times that.
-    half = np.hypot(np.pi, np.pi) / 48 / 2  # of the diagonal of one of 48 x 96 cells
-    sagitta = np.array([*(ball.radius * (1 - np.cos(half)) for ball in BALLS), 0.0, 0.0])[shape]
-    safe = away_from_edges(shape) & (cosine > 0.35) & (shape < len(BALLS))
-    tolerance = depth_tolerance(exact) + 1.5 * exact**2 * sagitta / cosine
-    assert safe.mean() > 0.1
-    assert (np.abs(drawn - exact) <= tolerance)[safe].all()
-
-
-def test_inverse_depth_of_the_room_is_that_of_its_triangles(room):
-    scene, view, size = room.scene, random_view(3), (161, 101)
-    corners = np.concatenate([mesh.positions[mesh.triangles] for mesh in scene.meshes if len(mesh.triangles)]).astype(
-        np.float64
-    )
-    eye_image = room.draw(view, size)
-    drawn = pixels(eye_image.inverse_depth)
-    room.pool(size).release(eye_image.colour)
-    rng, directions = np.random.default_rng(5), world_directions(view, size)
-    right, up = directions[0, 1] - directions[0, 0], directions[1, 0] - directions[0, 0]
-    checked = 0
-    for x, y in zip(rng.integers(0, size[0], 60), rng.integers(0, size[1], 60), strict=True):
-        around = directions[y, x] + np.array([0 * up, right, -right, up, -up]) * 0.05
-        hits = cast_triangles(corners, view.pose.position_m, around)
-        if (hits.shape != hits.shape[0]).any():
-            continue  # an edge within 1/20 pixel: either side of it would be right
-        checked += 1
-        slope = np.abs(hits.inverse_depth - hits.inverse_depth[0]).max() / 0.05 * 2
-        assert abs(drawn[y, x] - hits.inverse_depth[0]) <= SNAP_PX * slope + ROUNDING * drawn.max()
-    assert checked > 40
-
-
-def bilinear(image: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """A repeating linear-light picture (h, w, 3), top row first, at uv, as GL filters it."""
-    height, width = image.shape[:2]
-    x, y = u * width - 0.5, (1 - v) * height - 0.5
-    x0, y0 = np.floor(x).astype(int), np.floor(y).astype(int)
-    fx, fy = (x - x0)[..., None], (y - y0)[..., None]
-    at = [[image[(y0 + dy) % height, (x0 + dx) % width] for dx in (0, 1)] for dy in (0, 1)]
-    return (at[0][0] * (1 - fx) + at[0][1] * fx) * (1 - fy) + (at[1][0] * (1 - fx) + at[1][1] * fx) * fy
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_colour_of_a_magnified_plane_is_its_texture_in_linear_light(planes, seed):
-    rng, quad, size = np.random.default_rng(seed), QUADS[0], (83, 71)
-    turn = Rotation.from_euler("YX", rng.uniform((24, -9), (28, -5)), degrees=True)
-    view = View(Pose((0.0, 1.6, 0.0), turn.as_quat()), Fov(-0.03, 0.04, -0.035, 0.03))
-    hits = cast_planes(view, size)
-    assert (hits.shape == 0).all()
-    values = planes.scene.textures[quad.texture].image / 255.0
-    linear = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
-    u, v = ((hits.uv + 1) / 2).reshape(*size[::-1], 2).transpose(2, 0, 1)
-    expected = bilinear(linear, u, v) * quad.light
-    eye_image = planes.draw(view, size)
-    drawn = pixels(eye_image.colour)
-    planes.pool(size).release(eye_image.colour)
-    # GL promises 8 bits of weight in each axis between texels; the uv may be off by SNAP_PX of a
-    # pixel, here under a texel; half floats keep 11 bits; 3e-3 is the room GL leaves for decoding
-    # sRGB (0.5/255 in the encoded value, slope of the curve at most 2.4). Weights and places act on
-    # the contrast of the texels around.
-    contrast = ndimage.maximum_filter(linear, (3, 3, 1), mode="wrap") - ndimage.minimum_filter(
-        linear, (3, 3, 1), mode="wrap"
-    )
-    high, wide = linear.shape[:2]
-    swing = contrast[np.floor((1 - v) * high).astype(int) % high, np.floor(u * wide).astype(int) % wide] * quad.light
-    assert (
-        np.abs(drawn[..., :3] - expected)
-        <= swing * (2 / 256 + 2 * SNAP_PX) + expected * 2**-10 + 3e-3 * (expected + 0.1)
-    ).all()
-    assert (drawn[..., 3] == 1).all()
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_empty_space_is_the_background_infinitely_far_and_covered(serve, seed):
-    sky = load_scene("planes").background
-    server = serve(Scene("nothing", "", (), (), sky))
-    view, size = random_view(seed), (33, 17)
-    drawn = server.draw(view, size)
-    colour, inverse_depth = pixels(drawn.colour), pixels(drawn.inverse_depth)
-    directions = world_directions(view, size)
-    up = directions[..., 1] / np.linalg.norm(directions, axis=-1)
-    end = np.where(up[..., None] > 0, sky.zenith, sky.ground)
-    expected = np.array(sky.horizon) + np.sqrt(np.abs(up))[..., None] * (end - np.array(sky.horizon))
-    assert (inverse_depth == 0).all()
-    assert (colour[..., 3] == 1).all()
-    # Half floats are off by 2^-11 relative; the square root at the horizon turns 1e-6 of direction
-    # error into 1e-3.
-    assert np.abs(colour[..., :3] - expected).max() <= 2**-11 + 2e-3
 
 
 def test_the_guarded_picture_contains_the_unguarded_one(planes):

@@ -5,12 +5,14 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
+from golden_pictures import assert_golden, sheet
+from worlds import read
 
 from hmdwarp.errors import InputError, MachineError, SceneError, UnknownNameError
-from hmdwarp.frames import Needs
+from hmdwarp.frames import Mirrored, Needs
 from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.scenes import Material, Quad, Scene, load_scene
+from hmdwarp.scenes import Material, Quad, Scene, load_scene, scenes
 
 SIZE = (40, 30)
 VIEWS = [View(Pose((x, 1.6, 0.2)), Fov(-0.7, 0.8, -0.6, 0.75)) for x in (-0.03, 0.03)]
@@ -41,6 +43,21 @@ def test_a_layer_leaves_depth_as_it_is_and_its_textures_are_used_again(serve, sc
     assert not any(pool.live for pool in server._pools.values())
     with pytest.raises(ValueError, match="not out"):
         server.recycle(again)
+
+
+@pytest.mark.parametrize("name", scenes.names())
+def test_a_scene_and_its_layers_look_as_before(gpu, serve, tmp_path, name):
+    """Some way into its motions; what a pixel must be is known of simpler scenes, by rays."""
+    server, needs = serve(name), Needs(peeled=1, transparent=True, overlay=True, reflection=~Mirrored(0))
+    view, at_ns = View(server.scene.viewpoint, VIEWS[0].fov), 700_000_000
+    whole, (eye,) = (
+        server.draw(view, (96, 72), time_ns=at_ns),
+        server.draw_frame([view], at_ns, (96, 72), needs=needs).eyes,
+    )
+    found = [read(texture) for texture in (whole.colour, whole.inverse_depth, *eye.textures())]
+    pairs = [(each if each.shape[2] == 4 else each.repeat(4, axis=2), None) for each in found]
+    share = 1 / 1000 if gpu.is_software else 1 / 20
+    assert_golden(f"server/{name}", sheet(*pairs), tmp_path, share=share)
 
 
 def test_a_plain_scene_has_nothing_to_tell_and_pays_nothing(gpu, serve):

@@ -6,8 +6,9 @@ import attrs
 import numpy as np
 import pytest
 from reference._rays import world_directions
-from reference.raycast import cast_triangles
+from reference.raycast import away_from_edges, cast_triangles
 from scipy.spatial.transform import Rotation
+from worlds import pixels as read
 
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
@@ -19,12 +20,6 @@ MS = 1_000_000
 SIZE = (90, 70)
 EYE = View(Pose((0.1, 1.5, 0.3), Rotation.from_euler("y", 0.1).as_quat()), Fov(-0.8, 0.7, -0.6, 0.65))
 ALL = Needs(ids=True, velocity=True)
-
-
-def read(texture) -> np.ndarray:
-    dtype = {"f2": np.float16, "f4": np.float32, "u2": np.uint16}[texture.dtype]
-    array = np.frombuffer(texture.read(alignment=1), dtype).reshape(texture.height, texture.width, texture.components)
-    return array[..., 0] if texture.components == 1 else array
 
 
 def quad(name: str, z: float, half: float, colour: tuple, **settings) -> Mesh:
@@ -89,15 +84,6 @@ def corners_at(scene: Scene, time_ns: int) -> tuple[np.ndarray, np.ndarray]:
         found.append(points[mesh.triangles])
         of += [index] * len(mesh.triangles)
     return np.concatenate(found), np.array(of)
-
-
-def away_from_edges(shape: np.ndarray) -> np.ndarray:
-    same = np.zeros(shape.shape, bool)
-    inner = shape[1:-1, 1:-1]
-    same[1:-1, 1:-1] = np.all(
-        [shape[y : y + inner.shape[0], x : x + inner.shape[1]] == inner for y in range(3) for x in range(3)], axis=0
-    )
-    return same
 
 
 @pytest.mark.parametrize("time_ns", [0, 400 * MS, 500 * MS, 570 * MS])

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-
 import attrs
 import numpy as np
 import pytest
@@ -142,28 +138,6 @@ def test_drawn_into_a_frame_a_panel_in_the_world_has_its_depth(serve):
         drawn = server.draw(VIEW, SIZE)
         assert read(drawn.colour)[40, 48, :3].min() > 0
         assert read(drawn.inverse_depth)[40, 48, 0] == pytest.approx(expected, rel=1e-5)
-
-
-AT_ONCE = """
-from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import Gpu, download
-from hmdwarp.scenes import load_scene
-from hmdwarp.sources.server import Server
-
-with Gpu() as gpu:
-    server = Server(gpu, load_scene("reading"))
-    for _ in range(24):
-        depth = server.draw(View(Pose((0.3, 1.5, 1.0)), Fov(-0.8, 0.8, -0.7, 0.7)), (200, 160)).inverse_depth
-        at_once = download(depth)
-        gpu.gl.finish()
-        assert (at_once == download(depth)).all()
-        server.take_back()
-"""
-
-
-def test_what_reads_a_picture_at_once_reads_all_of_it():
-    """In a process of its own: llvmpipe has threads there."""
-    subprocess.run([sys.executable, "-c", AT_ONCE], check=True, env=os.environ | {"LP_NUM_THREADS": "2"})
 
 
 @pytest.mark.parametrize("layer", ["wide", "views"])

@@ -4,20 +4,17 @@ float64, whole and in layers."""
 from __future__ import annotations
 
 import attrs
-import moderngl
 import numpy as np
 import pytest
-from reference._rays import world_directions
 from reference.picture import HALF_UNIT
-from reference.sheets import Sheet, look_through
 from scipy.spatial.transform import Rotation
 from worlds import read
 
 from hmdwarp.frames import Needs
-from hmdwarp.geometry import Fov, Pose, RigidState, View
+from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, allocate
 from hmdwarp.headsets import load_headset
-from hmdwarp.scenes import Body, Material, Mesh, Quad, Scene, Texture, load_scene
+from hmdwarp.scenes import Material, Mesh, Quad, Scene, Texture, load_scene
 
 SIZE = (96, 70)
 FOV = Fov(-0.7, 0.6, -0.55, 0.6)
@@ -26,13 +23,6 @@ NONE, LAYERS = Needs(), Needs(transparent=True, overlay=True)
 
 def pane(name: str, quad: Quad, **material: object) -> Mesh:
     return attrs.evolve(quad.mesh(name), material=Material(**({"see_through": True} | material)))
-
-
-def sheet(mesh: Mesh) -> Sheet:
-    """The twin of a pane without a texture."""
-    made = mesh.material
-    own, coloured = (1 - made.transmission) * mesh.light[0], made.transmission * mesh.albedo[0]
-    return Sheet(corners_of(mesh), own, made.opacity, made.tint, coloured)
 
 
 def random_panes(seed: int, count: int = 4) -> list[Mesh]:
@@ -60,10 +50,6 @@ def with_meshes(*meshes: Mesh, textures: tuple[Texture, ...] = ()) -> Scene:
     return attrs.evolve(base, meshes=(*base.meshes, *meshes), textures=(*base.textures, *textures))
 
 
-def corners_of(mesh: Mesh) -> np.ndarray:
-    return mesh.positions[mesh.triangles].astype(np.float64)
-
-
 def picture(serve, scene: Scene, view: View, needs: Needs = NONE) -> dict[str, np.ndarray]:
     server = serve(scene)
     eye = server.draw_frame([view], 0, SIZE, needs=needs).eyes[0]
@@ -78,96 +64,6 @@ def picture(serve, scene: Scene, view: View, needs: Needs = NONE) -> dict[str, n
     if "overlay" in eye:
         found["overlay"] = read(eye["overlay"])
     return found
-
-
-def away_from_changes(value: np.ndarray) -> np.ndarray:
-    """Pixels whose neighbours all have the same value."""
-    same = np.zeros(value.shape, bool)
-    same[1:-1, 1:-1] = True
-    for axis in (0, 1):
-        for step in (-1, 1):
-            same &= np.roll(value, step, axis) == value
-    return same
-
-
-def many_panes(rng: np.random.Generator, count: int, textures: int) -> tuple[list[Mesh], list[Sheet], list[Texture]]:
-    """Panes one behind the other, each on one of the textures, which are of one colour each. Every
-    third shows its back; every second of those is one-sided and not seen. 2 cm apart, and so much
-    in a row that the distance of a triangle's middle is off by less than that."""
-    base = len(load_scene("planes").textures)
-    colours = rng.integers(0, 256, (textures, 3), dtype=np.uint8)
-    made, sheets = [], []
-    for k in rng.permutation(count):
-        centre = (rng.uniform(-0.02, 0.02), 1.6 + rng.uniform(-0.02, 0.02), -0.8 - 0.02 * k)
-        quad = Quad(
-            centre, (rng.uniform(0.1, 0.3), 0, 0), (0, rng.uniform(0.1, 0.3), 0), -1, tuple(rng.uniform(0, 1, 3))
-        )
-        opacity, tint = rng.uniform(0.1, 0.9), tuple(rng.uniform(0.3, 1, 3))
-        one = pane(f"pane-{k}", quad, opacity=opacity, tint=tint)
-        away = k % 3 == 0
-        triangles = one.triangles[:, ::-1] if away else one.triangles
-        one = attrs.evolve(one, triangles=triangles, texture=base + k % textures, double_sided=k % 6 != 0)
-        made.append(one)
-        if one.double_sided or not away:
-            sheets.append(Sheet(corners_of(one), one.light[0] * (colours[k % textures] / 255), opacity, tint))
-    images = [Texture(f"t{k}", np.broadcast_to(colour, (1, 1, 3)), srgb=False) for k, colour in enumerate(colours)]
-    return made, sheets, images
-
-
-def panes_of(kind: str, seed: int) -> tuple[list[Mesh], list[Sheet], list[Texture]]:
-    """Either of them; the seed of many is their number of textures."""
-    if kind == "many":
-        return many_panes(np.random.default_rng(seed), 60, seed)
-    panes = random_panes(seed)
-    return panes, [sheet(pane) for pane in panes], []
-
-
-CASES = [*(("tilted", seed) for seed in range(6)), *(("many", textures) for textures in (1, 5, 13, 14, 40))]
-
-
-@pytest.mark.parametrize(("kind", "seed"), CASES)
-def test_panes_blend_as_rays_meet_them(serve, kind, seed):
-    """In their order, with their textures and sides; in the whole picture, and in its layers."""
-    panes, sheets, images = panes_of(kind, seed)
-    turn = Rotation.from_euler("YX", np.random.default_rng(seed).uniform(-8, 8, 2) * (kind == "tilted"), degrees=True)
-    view, scene = View(Pose((0.05, 1.6, 0.1), turn.as_quat()), FOV), with_meshes(*panes, textures=tuple(images))
-    plain, whole, parts = (
-        picture(serve, *drawn) for drawn in ((with_meshes(), view), (scene, view), (scene, view, LAYERS))
-    )
-    rays, behind = world_directions(view, SIZE).reshape(-1, 3), plain["inverse_depth"].ravel()
-    seen, shape = look_through(sheets, view.pose.position_m, rays, behind), whole["colour"][..., :3].shape
-    count, nearest = seen.count.reshape(SIZE[::-1]), seen.inverse_depth.reshape(SIZE[::-1])
-    # The depth of a tilted pane changes from pixel to pixel.
-    safe = away_from_changes(nearest if kind == "many" else nearest < 0) & away_from_changes(count)
-    assert safe.mean() > 0.3 and count[safe].max() >= (11 if kind == "many" else 2)
-    # Every sheet is a product and a sum stored in half floats, on top of the picture that was one
-    # before; light is at most 1.
-    tolerance = 2 * HALF_UNIT * (1 + count)[..., None]
-    for name, expected, where in (
-        ("colour", seen.over(plain["colour"][..., :3].reshape(-1, 3)), safe),
-        ("veil", seen.veil, safe & (count > 0)),
-        ("passing", seen.passing, safe & (count > 0)),
-    ):
-        found = (whole if name == "colour" else parts)[name][..., :3]
-        assert (np.abs(found - expected.reshape(shape)) <= tolerance)[where].all(), name
-    assert (whole["colour"][..., 3] == 1).all()
-    assert np.array_equal(whole["inverse_depth"], plain["inverse_depth"])  # that of what lies behind
-
-
-@pytest.mark.parametrize(("textures", "most"), [(1, 1), (13, 1), (26, 30)])
-def test_a_draw_call_is_not_made_for_every_pane(serve, monkeypatch, textures, most):
-    panes, _, images = many_panes(np.random.default_rng(7), 300, textures)
-    servers = [serve(with_meshes(*meshes, textures=tuple(images))) for meshes in (panes, ())]
-    calls, render = [], moderngl.VertexArray.render
-    monkeypatch.setattr(
-        moderngl.VertexArray, "render", lambda self, *how, **more: calls.append(render(self, *how, **more))
-    )
-    found = []
-    for server in servers:
-        calls.clear()
-        server.draw(View(Pose((0.05, 1.6, 0.1)), FOV), SIZE)
-        found.append(len(calls))
-    assert 1 <= found[0] - found[1] <= most
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -193,16 +89,6 @@ def test_the_layers_put_together_are_the_whole_picture(serve, seed):
     nothing = parts["depth"] < 0
     assert nothing.any() and (parts["veil"][nothing] == 0).all() and (parts["passing"][nothing] == (1, 1, 1, 0)).all()
     assert (parts["veil"][~nothing][:, 3] == 1).all()
-
-
-def test_the_veil_has_the_depth_of_the_nearest_sheet(serve):
-    panes, view = random_panes(3), View(Pose((0, 1.6, 0)), FOV)
-    parts = picture(serve, attrs.evolve(with_meshes(), meshes=tuple(panes)), view, LAYERS)
-    sheets = [sheet(pane) for pane in panes]
-    seen = look_through(sheets, view.pose.position_m, world_directions(view, SIZE).reshape(-1, 3))
-    nearest = seen.inverse_depth.reshape(SIZE[::-1])
-    safe = away_from_changes(seen.count.reshape(SIZE[::-1]))
-    assert np.abs(parts["depth"] - nearest)[safe].max() <= 1e-4
 
 
 def wall_between(front_m: float, back_m: float) -> tuple[Mesh, Mesh, Mesh]:
@@ -256,42 +142,6 @@ def test_a_fence_of_alpha_is_a_surface_with_holes(gpu, serve):
     server = serve(scene)
     depth = server.draw_depth(view, SIZE, allocate(gpu.gl, SIZE, SCALAR))
     assert np.array_equal(read(depth)[..., 0], whole["inverse_depth"])  # the client's own knows it too
-
-
-class Standing:
-    """A motion that stays where it is."""
-
-    def __init__(self, pose: Pose) -> None:
-        self._pose = pose
-
-    def state(self, time_ns: int) -> RigidState:
-        return RigidState(self._pose)
-
-
-class Bent:
-    def __init__(self, mesh: Mesh, step: tuple[float, float, float]) -> None:
-        self._rest, self._step = mesh.positions, np.array(step)
-
-    def positions(self, time_ns: int) -> np.ndarray:
-        return self._rest + self._step * (time_ns * 1e-9)
-
-    def velocities(self, time_ns: int) -> np.ndarray:
-        return np.broadcast_to(self._step, self._rest.shape)
-
-
-def test_panes_of_bodies_and_panes_that_deform_are_drawn_where_they_are(serve):
-    view, quad = View(Pose((0, 1.6, 0)), FOV), Quad((0, 1.6, -1), (0.3, 0, 0), (0, 0.3, 0), -1, (0.2, 0.9, 0.4))
-    still = pane("pane", attrs.evolve(quad, centre=(0.25, 1.6, -1)), opacity=0.5)
-    moved = pane("pane", quad, opacity=0.5)
-    bodies = (Body("b", Standing(Pose((0.25, 0, 0)))),)
-    on_body = attrs.evolve(with_meshes(), bodies=bodies, meshes=(*with_meshes().meshes, attrs.evolve(moved, body=1)))
-    bent = with_meshes(attrs.evolve(moved, deformation=Bent(moved, (0.25, 0, 0))))
-    expected = picture(serve, with_meshes(still), view)["colour"]
-    for scene in (on_body, bent):
-        server = serve(scene)
-        image = server.draw(view, SIZE, time_ns=1_000_000_000)
-        differs = np.abs(read(image.colour) - expected).max(axis=-1) > 4 * HALF_UNIT
-        assert differs.mean() < 0.02  # a last bit of the place decides at its edges
 
 
 def test_head_locked_content_does_not_depend_on_the_head(serve):

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -16,7 +12,6 @@ from hmdwarp.sources.server import Server
 from hmdwarp.sources.server.targets import IDLE_AFTER, MOST_IDLE, MOST_IDLE_BYTES
 
 SIZE, VIEW = (256, 256), View(Pose((0, 1.6, 0)), Fov.symmetric(1.0, 1.0))
-BYTES = SIZE[0] * SIZE[1] * (8 + 4)
 
 
 @pytest.fixture
@@ -57,24 +52,6 @@ def test_targets_of_a_burst_are_freed_and_the_others_keep_their_pictures(server)
         np.testing.assert_array_equal(download(frame.eyes[0].colour), picture)
         server.recycle(frame)
     server.recycle(held)
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="the C library's heap is asked only on Linux")
-def test_memory_of_a_burst_goes_back_to_the_system(server):
-    if not server.gpu.is_software:
-        pytest.skip("a GPU's textures are not in this process's memory")
-    burst(server, 1)
-    server.gpu.give_back_memory()
-    before = resident()
-    burst(server, 64)
-    assert resident() - before > 60 * BYTES
-    rest(server)
-    assert resident() - before < 16 * BYTES
-
-
-def resident() -> int:
-    """Bytes that this process holds in memory."""
-    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def test_of_what_many_sizes_needed_a_bounded_part_is_kept(server):

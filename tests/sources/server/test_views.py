@@ -75,21 +75,6 @@ def test_the_first_view_is_taken_from_where_the_eye_goes(sign):
     assert empty(np.zeros(3), first, second) <= empty(np.zeros(3), first)
 
 
-@pytest.mark.parametrize("velocity", [(0, 0, 0), (1e-12, 0, 0), (0, 2, 0), (1, 0, -3), (1e6, 0, 0)], ids=str)
-def test_candidates_lie_along_the_motion_and_across_it(velocity):
-    along, across = motion_of(view_at((1, 1.6, 2)), np.array(velocity, float), 0.4)
-    reach = max(0.4 * np.linalg.norm(velocity), LEAST_M)
-    assert np.linalg.norm(along) == pytest.approx(reach) == np.linalg.norm(across)
-    assert along @ across == pytest.approx(0, abs=1e-9 * reach**2)
-
-
-def test_views_are_chosen_whatever_the_depth():
-    motion = motion_of(view_at((0, 0, 0)), np.array([1.0, 0, 0]), 0.2)
-    for depth in (-1.0, 0.0, 1e-6, 50.0):
-        ways = chosen(view_at((0, 0, 0)), (6, 5), motion, 3, lambda view, depth=depth: np.full((5, 6), depth))
-        assert len({tuple(way) for way in ways}) == 3
-
-
 def test_the_server_draws_them_as_any_other_picture(serve):
     server, needs, age_ns = serve("room"), Needs(views=2), 400 * MS
     place = server.scene.viewpoint.position_m
@@ -106,24 +91,6 @@ def test_the_server_draws_them_as_any_other_picture(serve):
             server.pool(SIZE).release(again.colour)
         server.recycle(frame)
     assert server.pool(SIZE).made == 2 * 3 + 1, "two eyes of three pictures, and the one to compare with"
-
-
-def empty_shares(warp: str) -> list[float]:
-    """What the warp leaves empty of the pictures of a walk, once the server knows the motion."""
-    found: list[float] = []
-
-    def look(setup, number, refresh) -> None:
-        if number >= 6:
-            found.extend(float((download(eye.warped.texture)[..., 3] == 0).mean()) for eye in refresh.eyes)
-
-    options = {"trace": "walk", "scene": "room", "headset": "rift-dk1", "size": (120, 150), "latency_ms": 400.0}
-    each_refresh(small(warp=warp, **options, start_s=5.0, seconds=0.5, rate_hz=20.0, guard=1.5), look)
-    return found
-
-
-def test_they_leave_less_empty_than_what_comes_anyway():
-    anyway, with_views = (np.mean(empty_shares(warp)) for warp in ("multi", "multi:views=2,frames=1,eye=own"))
-    assert with_views < 0.5 * anyway, (with_views, anyway)
 
 
 def test_an_eye_that_turns_away_falls_back_on_an_older_frame():

@@ -43,12 +43,6 @@ def test_a_box_with_a_visible_point_in_it_is_never_culled(place, turn, fov, ndc,
     assert visible(boxes_of((seen + half_size * 0.99)[None], half_size[None] + 1e-6 * (1 + depth)), clip).all()
 
 
-def test_a_box_behind_the_eye_is_culled():
-    clip = clip_from_eye(Fov.symmetric(1, 1)) @ eye_from_scene(View(Pose(), Fov.symmetric(1, 1)), np.zeros(3))
-    places = np.array([[0, 0, 5.0], [0, 0, -5.0], [9.0, 0, -5]])
-    assert visible(boxes_of(places, np.ones((3, 3))), clip).tolist() == [False, True, False]
-
-
 @given(st.lists(vectors, max_size=40), vectors, st.integers(1, 6))
 def test_the_classes_are_those_of_numpys_quantiles(centres, eye, classes):
     centres, eye = np.array(centres).reshape(-1, 3), np.array(eye)
