@@ -47,6 +47,21 @@ uvec3 keys_around(ivec2 pixel) {
     return found;
 }
 
+// Whether the texel is in front of `own` by more than a surface's slope.
+bool in_front(ivec2 texel, float own) {
+    return held(texel) - own > depth_tolerance * (own + depth_floor);
+}
+
+// Where to take the colour of a point: beside a silhouette, whose colour antialiasing has mixed
+// into the outermost pixel behind it, one pixel farther off where that is the same surface.
+vec2 unmixed(vec2 at) {
+    ivec2 texel = ivec2(floor(at));
+    float own = held(texel);
+    ivec2 away = ivec2(in_front(texel - ivec2(1, 0), own), in_front(texel - ivec2(0, 1), own)) -
+                 ivec2(in_front(texel + ivec2(1, 0), own), in_front(texel + ivec2(0, 1), own));
+    return of_one_surface(own, held(texel + away)) ? at + 0.5 * vec2(away) : at;
+}
+
 void fill(ivec2 pixel, vec3 base, vec2 before) {
     uvec3 keys = keys_around(pixel);
     Ray ray = ray_of(base, e);
@@ -58,7 +73,7 @@ void fill(ivec2 pixel, vec3 base, vec2 before) {
         guess = seed_depth(tried == 0 ? keys.y : keys.z + 1u);
         pending = found.depth < 0.0;
     }
-    vec4 sum = textureLod(rendered_colour, found.colour_at * rendered_pixel, 0.0);
+    vec4 sum = textureLod(rendered_colour, unmixed(found.colour_at) * rendered_pixel, 0.0);
     float density = density_of(ray, found.depth);
     bool shows = found.depth >= 0.0 && found.depth <= LARGEST && sum.a >= 0.5 && is_better(found.depth, density, before);
     if (shows) {
