@@ -7,6 +7,8 @@ import inspect
 import itertools
 import math
 import pkgutil
+import pydoc
+import re
 import warnings
 from pathlib import Path
 
@@ -16,6 +18,7 @@ import pytest
 
 import hmdwarp
 
+ROOT = Path(__file__).resolve().parents[1]
 PUBLIC = {
     "DepthLayer", "Fov", "Hidden", "Panel", "HmdwarpError", "InputError", "MachineError", "Pose", "PoseTrack",
     "RunOptions", "View", "WarpMap", "WarpedImage", "Warper", "choose", "compare", "inverse_depth_from_clip",
@@ -45,6 +48,21 @@ def test_every_module_can_be_imported_alone_after_another():
             importlib.import_module(module.name)
     for name in FUNCTIONS:
         assert inspect.isfunction(getattr(hmdwarp, name))
+
+
+def test_functions_that_docs_name_say_what_they_take():
+    """What is looked up in an editor has NumPy's sections."""
+    pages = [*(ROOT / "docs").glob("*.md"), ROOT / "README.md", *(ROOT / "examples").glob("*.py")]
+    text = "\n".join(page.read_text(encoding="utf-8") for page in pages)
+    named = {path[1:] for path in re.findall(r"\bhmdwarp((?:\.[A-Za-z_]\w*)+)", text)}
+    for package, names in re.findall(r"from hmdwarp((?:\.\w+)*) import ([\w, ]+)", text):
+        named |= {f"{package}.{name}".strip(".") for name in re.findall(r"\w+", names)}
+    told = {}
+    for path in named:
+        found = pydoc.locate(f"hmdwarp.{path}")
+        if inspect.isroutine(found) and inspect.signature(found).parameters:
+            told[path] = "Parameters\n---" in inspect.getdoc(found)
+    assert len(told) > 15 and [path for path, is_told in told.items() if not is_told] == []
 
 
 class OnAGpu:

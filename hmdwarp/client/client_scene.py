@@ -58,7 +58,13 @@ _receivers: dict[str, type[Store]] = {}
 
 
 def receiver_of(layer: str) -> Callable[[type[StoreT]], type[StoreT]]:
-    """Return a decorator: the class receives the updates of that layer, a Delivered."""
+    """Return a decorator: the class receives the updates of a layer.
+
+    Parameters
+    ----------
+    layer : str
+        Name of a Delivered. Raises ValueError for one that a class receives already.
+    """
 
     def register(kind: type[StoreT]) -> type[StoreT]:
         if layer in _receivers:

@@ -493,9 +493,19 @@ class WarpMap:
 
     @classmethod
     def between(cls, frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int, int]) -> WarpMap:
-        """Return the map from pixels of `frm` (w, h) to pixels of `to`.
+        """Return the map between two views, computed relative to the eyes in float64.
 
-        Computed relative to the eyes in float64. Errors: InputError for what is no view or size.
+        Parameters
+        ----------
+        frm, to : View
+            From whose pixels, and to whose.
+        frm_size, to_size : tuple of int
+            (w, h) of their pictures.
+
+        Raises
+        ------
+        InputError
+            For what is no view or size.
         """
         if type(frm_size) is tuple is type(to_size) and type(frm) is View is type(to):
             return view_map(frm, frm_size, to, to_size)

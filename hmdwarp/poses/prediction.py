@@ -70,10 +70,23 @@ def predict(
 ) -> PoseSample:
     """Return the head pose at `target_ns` as known at `now_ns`; ignore every sample after `now_ns`.
 
-    method: a predictor or its name. horizon_ns: how far ahead of the last sample at most, by
-    default the predictor's own; beyond it the pose stays constant. A target at or before the last
-    known sample is looked up, not predicted. The gaze is the last known one, held in the world.
-    Errors: UnknownNameError; InputError for a negative horizon.
+    A target at or before the last known sample is looked up, not predicted. The gaze is the last
+    known one, held in the world.
+
+    Parameters
+    ----------
+    track : PoseTrack
+    now_ns, target_ns : int
+    method : Predictor or str
+        A predictor or its name.
+    horizon_ns : int, optional
+        How far ahead of the last sample at most; beyond it the pose stays constant. The
+        predictor's own by default.
+
+    Raises
+    ------
+    UnknownNameError, InputError
+        For no predictor's name; for a negative horizon.
     """
     predictor = predictors.get(method) if isinstance(method, str) else method
     horizon_ns = predictor.horizon_ns if horizon_ns is None else horizon_ns

@@ -673,11 +673,20 @@ Watching = Callable[[str], AbstractContextManager[None]]
 def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh = lambda number: None) -> LiveResult:
     """Run until the window, the runtime or Ctrl-C ends it, or as long as the options say.
 
-    say: called with a sentence for the user. after(number): called after each refresh that showed a
-    picture, counted from 1.
-    Errors: InputError and its subclasses for wrong options; MachineError where there is neither
-    headset nor window, and where a lost headset does not come back. Recording and log up to that
-    point are written in any case.
+    Recording and log up to that point are written in any case.
+
+    Parameters
+    ----------
+    options : LiveOptions
+    say : callable
+        Called with a sentence for the user.
+    after : callable
+        Called with a number after each refresh that showed a picture, counted from 1.
+
+    Raises
+    ------
+    InputError, MachineError
+        For wrong options; where there is neither headset nor window, or a lost one stays away.
     """
     if options.record is not None and options.trace:
         refuse_source(options.record, Path(options.trace))

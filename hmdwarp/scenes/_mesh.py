@@ -285,7 +285,17 @@ class Ball:
 def checker(
     cells: int, cell_px: int, dark: tuple[int, int, int], bright: tuple[int, int, int], seed: int
 ) -> NDArray[np.uint8]:
-    """Return a (n, n, 3) checkerboard with seeded noise, so that no two places look alike."""
+    """Return a (n, n, 3) checkerboard with noise, so that no two places look alike.
+
+    Parameters
+    ----------
+    cells, cell_px : int
+        Fields on each side, and pixels on each side of one: n is their product.
+    dark, bright : tuple of int
+        sRGB, 0 to 255.
+    seed : int
+        Of the noise.
+    """
     index = np.arange(cells * cell_px) // cell_px
     board = ((index[:, None] + index) % 2)[..., None]
     noise = np.random.default_rng(seed).integers(-24, 25, (len(index), len(index), 1))
