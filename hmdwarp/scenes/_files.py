@@ -15,6 +15,7 @@ from ..geometry import Pose
 from ..options.named_files import SCENE, opened
 from ._draft import Draft, Notes
 from ._gltf_scene import GltfContent
+from ._lamps import lit_by
 from ._mesh import Body, Texture
 from ._mesh_files import drafts_of, mitsuba_drafts, unreadable
 from ._scene import Background, Scene
@@ -95,11 +96,17 @@ def _put(
     panels = [draft.as_panel(world_from_file, textures) for draft in drafts if draft.panel]
     drafts = [draft for draft in drafts if not draft.panel]
     meshes = [draft.mesh(world_from_file, origin, bodies) for draft in drafts]
+    lamps = content.lamps() if content is not None else []
+    if lamps:
+        looks = [(draft.look, draft.is_surface and draft.driven is None) for draft in drafts]
+        lit = [is_rigid and not look.unlit and not look.emission.any() for look, is_rigid in looks]
+        meshes, lamps = lit_by(lamps, meshes, lit, textures, origin, notes)
     name = path.resolve().parent.name if path.name.lower() == "scene.xml" else path.stem
     summary = f"{path.name}: {sum(len(mesh.triangles) for mesh in meshes)} triangles"
+    sky = Background() if lamps else SKY  # lamps are all the light that a file has
     where: dict[str, Any] = {"viewpoint": Pose(STANDING), "walk_bounds_m": STANDING + place.reach, "origin_m": origin}
-    found: dict[str, Any] = {"notes": notes.lines(), "panels": panels}
-    return Scene(name, summary, meshes, textures, SKY, bodies, **where, **found)
+    found: dict[str, Any] = {"notes": notes.lines(), "lamps": lamps, "panels": panels}
+    return Scene(name, summary, meshes, textures, sky, bodies, **where, **found)
 
 
 def _place(

@@ -262,8 +262,6 @@ def check_extensions(file: GltfFile, notes: Notes) -> None:
                 how = f": install its decoder ({install_line('draco')}), or remove it with '{_COPY} {own}'"
             said.append(f"needs {name}{how or ', which is not read: export it without'}")
         raise file.error("; ".join(said))
-    if any(LIGHTS in (node.get("extensions") or {}) for node in file.items("nodes")):
-        notes.add(f"its lamps ({LIGHTS}) are left out, and a plain light from above is used")
     left = [name for name in used if name not in READ | _SILENT]
     if left:
         notes.add(f"extensions are left out, and the file does not need them: {', '.join(left)}")

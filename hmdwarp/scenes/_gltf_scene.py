@@ -1,7 +1,7 @@
-"""A glTF file as parts of a scene: its materials, and its meshes where they stand and move.
+"""A glTF file as parts of a scene: its materials, meshes and lamps where they stand and move.
 
 Materials of specular and glossiness become those of metal and roughness, which glTF has today.
-Source: Khronos 2021, glTF 2.0 Specification; Khronos 2017,
+Source: Khronos 2021, glTF 2.0 Specification; Khronos 2018, KHR_lights_punctual; Khronos 2017,
 KHR_materials_pbrSpecularGlossiness, its example of a conversion
 (https://github.com/KhronosGroup/glTF/tree/main/extensions/2.0/Archived).
 """
@@ -20,9 +20,11 @@ from ..colour import linear_from_srgb, srgb8_from_linear
 from ..errors import SceneError
 from ..geometry import Pose
 from ._draft import MOST_TRIANGLES, Draft, Look, Notes, normals_of
-from ._gltf_file import KTX2, SPECULAR, VISIBILITY, GltfFile, check_extensions, instances_of, unpack_draco
+from ._gltf_file import KTX2, LIGHTS, SPECULAR, VISIBILITY, GltfFile, check_extensions, instances_of, unpack_draco
 from ._gltf_nodes import Driven, NodeMotion, Nodes, is_rigid, skinned
 from ._mesh import Body, Emission, Material, Texture
+from ._scene import Lamp
+from .motions import Still
 from .options import numbered
 
 Array = NDArray[np.float64]
@@ -307,6 +309,35 @@ class GltfContent:
         matrix = self._nodes.at(self.cameras[index][1], 0)[0]
         ahead = -matrix[:3, 2]
         return (*matrix[:3, 3].tolist(), float(np.degrees(np.arctan2(-ahead[0], -ahead[2]))))
+
+    def lamps(self) -> list[Lamp]:
+        """Return the lamps that shine, by candela and lux, Errors: SceneError."""
+        known = ((self._file.header.get("extensions") or {}).get(LIGHTS) or {}).get("lights", [])
+        found = []
+        for node in self._shown_nodes:
+            said = (self._file.items("nodes")[node].get("extensions") or {}).get(LIGHTS)
+            if said is None or self._nodes.hidden[node]:
+                continue
+            index = said.get("light")
+            if not isinstance(index, int) or not 0 <= index < len(known) or not isinstance(known[index], dict):
+                raise self._file.damaged(f"node {node} uses light {index!r} of {len(known)}")
+            found.append(self._lamp(node, known[index]))
+        return [lamp for lamp in found if max(lamp.colour) > 0]
+
+    def _lamp(self, node: int, said: Gltf) -> Lamp:
+        kind, spot = said.get("type"), said.get("spot") or {}
+        cone = float(spot.get("innerConeAngle", 0.0)), float(spot.get("outerConeAngle", np.pi / 4))
+        light = np.array(said.get("color", (1.0, 1.0, 1.0)), np.float64) * float(said.get("intensity", 1.0))
+        sound = light.shape == (3,) and np.isfinite(light).all() and (light >= 0).all()
+        if kind not in ("directional", "point", "spot") or not sound or not 0 <= cone[0] < cone[1] <= np.pi / 2:
+            what = f"light '{said.get('name', kind)}' of type {kind!r}, colour times intensity {light.tolist()}, cone"
+            wanted = "point, spot or directional, finite light of 0 or more, inner < outer <= 1.5708"
+            raise self._file.error(f"node {node}: {what} {cone[0]:g} to {cone[1]:g} rad; expected {wanted}")
+        if abs(np.linalg.det(self._nodes.at(node, 0)[0][:3, :3])) < 1e-12:
+            raise self._file.damaged(f"node {node}: a light in a node of size 0, which has no direction")
+        motion = NodeMotion(self._nodes, node)
+        placed = motion if self._nodes.moving[node] else Still(motion.state(0).pose)
+        return Lamp(placed, tuple(light.tolist()), kind == "directional", cone if kind == "spot" else None)
 
     def move(self, world_from_file: Pose) -> None:
         self._nodes.root = world_from_file.matrix() @ self._nodes.root

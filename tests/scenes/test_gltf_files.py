@@ -45,10 +45,10 @@ def told_of(mesh: Mesh, scene: Scene) -> list[str]:
     lines = [f"mesh {mesh.name}: body {mesh.body}, texture {mesh.texture}, cut out {is_cutout(scene, mesh)}"]
     lines += [f"  {mesh.material}", f"  triangles {mesh.triangles[:12].tolist()}, two sides {mesh.double_sided}"]
     lines += [f"  at {written(at)}", f"  normals {written(mesh.normals)}", f"  uv {written(mesh.uv)}"]
-    lines += [
-        f"  light {written(mesh.light)}",
-        *([f"  albedo {written(mesh.albedo)}"] if mesh.albedo is not None else []),
-    ]
+    lines += [f"  light {written(mesh.light)}"]
+    for name in ("albedo", "light_uv"):
+        if (rows := getattr(mesh, name)) is not None:
+            lines += [f"  {name} {written(rows)}"]
     moves = mesh.deformation
     if moves is not None:
         lines += [f"  moves {written(moves.positions(ns) + scene.origin_m, moves.velocities(ns))}" for ns in AT_NS]

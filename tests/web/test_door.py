@@ -286,7 +286,7 @@ def test_recorded_frames_are_given_as_the_camera_took_them(tmp_path):
 
 
 def test_a_file_is_a_scene_too():
-    """The view looks at its wall."""
+    """Its lamps are on; the view looks at its wall."""
     file = str(Path(__file__).parents[1] / "scenes" / "files" / "lamps-of-blender.glb")
     with Serving("--scene", file, "--web", "127.0.0.1:*") as server:
         jar, address = CookieJar(), server.line("for a browser").split()[-1]
