@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from ..client.effects import effects
 from ..geometry import Fov, Pose, View
-from ..image.warper import Warper
+from ..image import Warper
 from ..metrics import psnr
 from ..pipeline.feed_coding import velocity_of
 from .motion_verdict import BACKWARD, METRES, MotionFrame, MotionFrames, Pair, grid, nearest_at

@@ -28,8 +28,7 @@ import attrs
 
 from ..display.openxr.diagnosis import A_BINDING, INSTALL, RESTART, load_binding
 from ..errors import HmdwarpError
-from ..gpu import WANTED, Gpu, egl
-from ..gpu.context import HOW_TO_GET_GL
+from ..gpu import HOW_TO_GET_GL, WANTED, Gpu, egl
 from ..resources import EXTRAS, __version__, install_line
 
 PROBE_SECONDS = 30.0  # a cold runtime may start its whole compositor before it answers

@@ -56,7 +56,7 @@ def entries(kind: str) -> list[Row]:
     rows = KINDS[kind].rows()
     if kind != "warps":
         return rows
-    from ..client.variants import every_baseline, parse_warp
+    from ..client import every_baseline, parse_warp
     from ..run.measuring import OUTSIDE, missing
 
     own = {row["name"]: row for row in rows}
@@ -166,8 +166,7 @@ def _study(study: Any) -> Row:
 
 
 def _layer(layer: Any) -> Row:
-    from ..pipeline.options import PipelineOptions
-    from ..pipeline.sizes import eye_sizes
+    from ..pipeline import PipelineOptions, eye_sizes
 
     headset = _of("headsets").load_headset(PipelineOptions().headset)
     count = layer.bytes(layer.something, eye_sizes(1.0, headset, headset.eye_size_px))

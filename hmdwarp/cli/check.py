@@ -6,7 +6,7 @@ import typer
 
 from .. import check as conventions
 from .. import report
-from ..check.options import CheckOptions, SynthesisOptions
+from ..check import CheckOptions, SynthesisOptions
 from ._options import JSON, Said, as_json, takes
 
 

@@ -11,7 +11,7 @@ from .. import client, headsets, pipeline, scenes
 from ..errors import InputError, counted
 from ..options import AUTO, Option
 from ..pipeline.options import PROXY, PipelineOptions
-from ..run.options import DESKTOP, OPENXR, LiveOptions
+from ..run import DESKTOP, OPENXR, LiveOptions
 from ._options import JSON, Said, as_json, takes
 from ._show import in_columns, paragraph
 from .catalogue import headset_facts

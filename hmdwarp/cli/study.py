@@ -13,9 +13,8 @@ import typer
 
 from ..errors import InputError
 from ..options import Declared, Number, PaperOptions, force_field, group, option, out_field, same_as
+from ..study import MeasureOptions, store
 from ..study import design as designs
-from ..study import store
-from ..study.measure_options import MeasureOptions
 from ..study.session.session_options import SessionOptions
 from ._options import JSON, QUIET, Group, Said, as_json, command_line, print_results, takes
 from ._signals import INTERRUPTED, Ended
@@ -173,8 +172,8 @@ class MeasureCommand(Declared):
 def measure(said: Said) -> None:
     """Replay each trial's head trace and measure its pictures against zero latency; resumable."""
     from ..experiments.sweep import raise_failed
+    from ..study import measure_study
     from ..study.design import load_design
-    from ..study.measure import measure_study
     from ..study.store import Store, folder_to_read
     from ._show import steps
 

@@ -13,7 +13,7 @@ import moderngl
 
 from ..frames import EyeImage, Needs
 from ..geometry import view_map
-from ..gpu.context import Gpu
+from ..gpu import Gpu
 from ..gpu.textures import COLOUR, Canvas, Owner, allocate, bind_images
 from .inputs import PassInputs, as_image
 from .warps import Warp

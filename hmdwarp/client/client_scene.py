@@ -15,7 +15,7 @@ from ..frames import Frame
 from ..frames.layers import Inbox
 from ..frames.layers.scene_parts import Delivery
 from ..geometry import View
-from ..gpu.context import Gpu
+from ..gpu import Gpu
 from ..gpu.textures import SCALAR, Owner, allocate, drawing_into
 from ..sources import server as drawing
 from .inputs import ShownPicture

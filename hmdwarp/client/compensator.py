@@ -9,7 +9,7 @@ import attrs
 import moderngl
 
 from ..geometry import Fov, Hidden, View
-from ..gpu.context import Gpu
+from ..gpu import Gpu
 from ..gpu.hidden import Grid, SeenView, Strips
 from ..gpu.textures import SCALAR, Canvas, Owner, allocate
 from ..headsets import Headset

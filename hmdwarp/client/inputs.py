@@ -10,7 +10,7 @@ import moderngl
 
 from ..frames import EyeImage, Frame, Others, Surface
 from ..geometry import View
-from ..gpu.textures import Canvas
+from ..gpu import Canvas
 
 
 @attrs.frozen(eq=False)

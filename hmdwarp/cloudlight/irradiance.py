@@ -17,8 +17,7 @@ from ..client.warps import warps
 from ..frames import EyeImage, Needs
 from ..frames.layers import BRIGHT_VIDEO, OWN, EyeSizes, Layer, layers
 from ..geometry import View
-from ..gpu.shaders import Uniforms
-from ..gpu.textures import Canvas
+from ..gpu import Canvas, Uniforms
 from ..scenes import ATLAS, indirect_atlas
 from ..sources.server import Lighting
 from ..sources.server.parts import DrawContext, Drawing, Part, parts

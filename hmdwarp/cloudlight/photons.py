@@ -24,8 +24,7 @@ from ..client.warps import warps
 from ..frames import Needs
 from ..frames.layers import MOST_BUDGET, Book, Delivered, Update, between, layers
 from ..geometry import View
-from ..gpu.context import Gpu
-from ..gpu.shaders import Uniforms
+from ..gpu import Gpu, Uniforms
 from ..gpu.textures import COLOUR, SCALAR, Canvas, allocate, drawing_into, release_all
 from ..scenes import ATLAS, Background, Light, Scene, lamps_at
 from ..sources.server import Lighting

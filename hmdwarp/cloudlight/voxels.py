@@ -21,7 +21,7 @@ from ..errors import InputError
 from ..frames import EyeImage
 from ..frames.layers import Layer, between, layers
 from ..geometry import View
-from ..gpu.shaders import Compute, Uniforms
+from ..gpu import Compute, Uniforms
 from ..gpu.textures import COLOUR, allocate, drawing_into, release_all
 from ..scenes import IndirectLight, Mesh, Scene, lights, lit_meshes, moved_meshes
 from ..sources.server import Lighting, SceneBuffers, ScenePasses

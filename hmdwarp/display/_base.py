@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 
 from ..errors import MachineError
 from ..geometry import Eyes
-from ..gpu.context import Gpu
+from ..gpu import Gpu
 from ..headsets import Headset
 from ..options import option_of
-from ..pipeline.loop import Refresh
-from ..pipeline.options import PipelineOptions
+from ..pipeline import PipelineOptions, Refresh
 from ..poses import PoseSource, PoseTrack
 from .controls import CONTROLS, Command, Control, Status
 

@@ -13,10 +13,10 @@ from collections.abc import Sequence
 import moderngl
 
 from ..errors import InputError
-from ..gpu.context import Gpu
+from ..gpu import Gpu
 from ..headsets import load_headset
-from ..pipeline.loop import Refresh
-from ..poses.track import LoopedSource
+from ..pipeline import Refresh
+from ..poses import LoopedSource
 from . import Command, DisplayOptions, Label, Status, Tick
 from .desktop.window_system import WindowView
 from .present import Presenter

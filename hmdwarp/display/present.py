@@ -14,9 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import View
-from ..gpu.context import Gpu
-from ..gpu.shaders import Uniforms
-from ..gpu.textures import Canvas, allocate, upload
+from ..gpu import Canvas, Gpu, Uniforms, allocate, upload
 from ._base import Label
 
 FRAMEBUFFER_SRGB = 0x8DB9

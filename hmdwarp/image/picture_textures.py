@@ -13,12 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from ..client.effects.text import HeldPanel, panel_texture
 from ..colour import linear_from_srgb
 from ..errors import InputError, in_brief
-from ..frames import Needs
+from ..frames import BodyIds, Needs
 from ..frames.layers import layers
-from ..frames.layers.pictures import BodyIds
 from ..geometry import DepthLayer, RigidState
 from ..geometry.depth import HALF_STEP
-from ..gpu.context import Gpu
+from ..gpu import Gpu
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, Owner, allocate, release_all, upload
 from ..scenes import Panel, Texture
 from ..sources.array_passes import LINEAR, SRGB

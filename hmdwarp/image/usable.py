@@ -9,16 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from ..client import Compensator, EyeResult, PassInputs
 from ..client.carry import PictureOf
-from ..client.compensator import Compensator, EyeResult
 from ..client.effects import effects as every_effect
 from ..client.fills import fills
-from ..client.inputs import PassInputs
 from ..client.plan import OTHERS, SHOWN, SHOWN_DEPTH, Plan, build_plan
 from ..client.warps import warps
 from ..errors import InputError, PlanError, in_brief
 from ..frames.layers import PICTURE, readable
-from ..gpu.context import Gpu
+from ..gpu import Gpu
 from ..gpu.textures import Canvas, Owner
 from ..options import AUTO
 from ..pipeline.governor import AdaptiveCompensator, Change, Governor

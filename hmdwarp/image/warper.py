@@ -20,8 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import report
-from ..client.compensator import Compensator
-from ..client.inputs import PassInputs
+from ..client import Compensator, PassInputs
 from ..client.plan import OTHERS, SHOWN_DEPTH, Plan, needs_of
 from ..colour import srgb8_from_linear
 from ..errors import InputError, in_brief

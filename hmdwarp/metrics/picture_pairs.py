@@ -19,8 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..colour import linear_from_srgb
 from ..errors import NO_NUMBERS, InputError
 from ..geometry import View, WarpMap
-from ..gpu import SCALAR, Gpu, allocate, flip_map
-from ..gpu.shaders import Compute
+from ..gpu import SCALAR, Compute, Gpu, allocate, flip_map
 from ..gpu.textures import release_all
 
 PSNR_CAP_DB = 100.0  # JSON has no infinity; one grey level in one byte of a 640x400 picture would be 107 dB

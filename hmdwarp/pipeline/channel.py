@@ -17,12 +17,12 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..client.plan import Plan, needs_of
+from ..client import Plan, needs_of
 from ..colour import picture_from_linear
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import BRIGHT_VIDEO, DEPTH, VECTORS, VIDEO, Layer, layers
 from ..geometry import Fov, View, WarpMap
-from ..gpu.textures import download, upload
+from ..gpu import download, upload
 from ..link import SUM, Link, LinkOptions, Pacer, TransitStats, codec
 from ..link.codec import Coding, Packet, Undecodable
 from ..metrics import psnr

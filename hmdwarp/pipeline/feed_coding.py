@@ -16,7 +16,7 @@ from ..frames import EyeImage, EyeSizes, Frame, Needs
 from ..frames.layers import BYTES, OWN, PICTURE, Layer, layers
 from ..frames.layers.pictures import FOVEATED
 from ..geometry import Fov, Fovea, FoveaGrid, Pose, View, grid_of
-from ..gpu.textures import COLOUR, NUMBER, SCALAR, download, upload
+from ..gpu import COLOUR, NUMBER, SCALAR, download, upload
 from ..link import codec
 from ..link.codec import Coding, Packet, Undecodable
 from ..sources.array_passes import LINEAR, SRGB8, Arrays

@@ -12,12 +12,10 @@ from statistics import median
 
 import attrs
 
+from ..client import Compensator, EyeResult, PassInputs, Plan, Stages
 from ..client.carry import PictureOf
-from ..client.compensator import Compensator, EyeResult, Stages
-from ..client.inputs import PassInputs
-from ..client.plan import Plan
 from ..errors import HmdwarpError
-from ..gpu.textures import Canvas
+from ..gpu import Canvas
 from .levels import QualityLevel, best_within
 
 # Evidence against a level is the share by which its time exceeds the budget, summed while the sum

@@ -6,12 +6,10 @@ from collections.abc import Sequence
 
 import attrs
 
-from ..client.compensator import Compensator, EyeResult
-from ..client.inputs import History, PassInputs
-from ..client.plan import Plan
+from ..client import Compensator, EyeResult, History, PassInputs, Plan
 from ..frames import EyeImage, Frame, Needs
 from ..geometry import Eyes, View
-from ..gpu.timers import Lap, Stages
+from ..gpu import Lap, Stages
 from ..link import ResponseTime, TransitStats
 from ..poses import PoseSample
 from .channel import SEEN_PX, Changes, Channel

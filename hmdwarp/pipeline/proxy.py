@@ -9,12 +9,9 @@ from typing import Any
 
 import moderngl
 
-from ..client.client_scene import ClientScene
-from ..client.compensator import Compensator
+from ..client import ClientScene, Compensator, Plan, parse_fills, parse_indirect, parse_warp
 from ..client.effects import effects
 from ..client.lens import lenses
-from ..client.plan import Plan
-from ..client.variants import parse_fills, parse_indirect, parse_warp
 from ..errors import InputError, unknown_name
 from ..frames import EyeImage, Frame
 from ..geometry import Eyes, Guard, Pose, View, guarded_eyes

@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import InputError
 from ..frames import EyeImage, Frame, Needs
 from ..geometry import Fov, Guard, GuardBand, Pose, View, guarded_eyes, inverse_depth_from_metres
-from ..gpu.context import Gpu
+from ..gpu import Gpu
 from ..headsets import CameraDisplay, camera_display
 from ..poses import LoadedTrace, Origin, PoseSample, PoseTrack
 from ..poses.assumptions import unstated

@@ -17,14 +17,13 @@ from typing import Any
 import attrs
 import numpy as np
 
-from ..client.plan import Plan
+from ..client import Plan
 from ..errors import HmdwarpError, InputError, MachineError, counted
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import PICTURE, layers
 from ..frames.layers.pictures import FoveatedPicture
 from ..geometry import Eyes, Guard, Pose, View, guarded_eyes, looking
-from ..gpu.context import Gpu
-from ..gpu.textures import COLOUR, SCALAR
+from ..gpu import COLOUR, SCALAR, Gpu
 from ..link import CHANGES, TransitStats
 from ..link.codec import Undecodable
 from ..poses import PoseSample

@@ -17,14 +17,12 @@ import attrs
 import numpy as np
 
 from .. import scenes
-from ..client.client_scene import ClientScene
-from ..client.inputs import History
-from ..client.plan import Plan
+from ..client import ClientScene, History, Plan
 from ..errors import InputError
 from ..frames import Frame, Needs
 from ..frames.layers import PICTURE
 from ..geometry import Eyes, Guard, Pose, View, looking
-from ..gpu.context import Gpu
+from ..gpu import Gpu
 from ..headsets import Headset, load_headset
 from ..link import LinkOptions
 from ..poses import LoadedTrace, PoseSample, PoseSource

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..metrics import PRIMARY, pareto
-from ..scenes.options import KNOWS
+from ..scenes import KNOWS
 from . import page
 from .bench.page import suite_section
 from .bench.rows import (

@@ -19,14 +19,12 @@ from numpy.typing import NDArray
 
 from ..colour import picture_from_linear
 from ..display import Display, Status, Tick
-from ..gpu.context import Gpu
-from ..gpu.textures import Canvas, download
+from ..gpu import Canvas, Gpu, download
 from ..link import ResponseTime, figures_of_parts
 from ..metrics import aggregate_columns, middle_and_tail
 from ..options import AUTO
-from ..pipeline.channel import Channel
+from ..pipeline import Channel, Refresh
 from ..pipeline.governor import AdaptiveCompensator
-from ..pipeline.loop import Refresh
 from ..report import FRAME_COLUMNS, OutputFolder, live_lines, render_live_report
 from ..scenes import InputEvent
 from .options import LiveOptions

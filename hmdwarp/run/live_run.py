@@ -19,8 +19,7 @@ from typing import Any, Protocol
 import attrs
 import numpy as np
 
-from ..client.plan import needs_of
-from ..client.variants import every_fill, every_warp
+from ..client import every_fill, every_warp, needs_of
 from ..display import (
     CONTROLS,
     MOVED,
@@ -40,12 +39,10 @@ from ..display import (
 from ..errors import InputError, MachineError
 from ..geometry import GuardBand, Pose
 from ..options import AUTO
-from ..pipeline.channel import Reads
-from ..pipeline.loop import Refresh
+from ..pipeline import Reads, Refresh, Source
 from ..pipeline.options import PROXY, SCENE, SERVER_SCENE
 from ..pipeline.proxy import check_names, source_of
 from ..pipeline.sizes import check_held, expected_age_ns, guarded_size, latency_ns, plans_for, smaller_size
-from ..pipeline.source import Source
 from ..poses import Origin, PoseSample, PoseSource, PoseTrack, gaze_of, jumps_between, load_trace
 from ..poses.synth import RATE_HZ, synthesise
 from ..poses.track import LoopedSource, Moment

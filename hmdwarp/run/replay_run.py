@@ -9,18 +9,18 @@ from typing import Any
 import attrs
 import numpy as np
 
-from ..client.plan import Plan
+from ..client import Plan
 from ..colour import picture_from_linear
 from ..errors import InputError
 from ..frames import EyeSizes
 from ..geometry import Pose
-from ..gpu.textures import download
+from ..gpu import download
 from ..link.options import ALL
 from ..metrics import TRUTH_JOD, Clips, Kept, MeasuringThreads, QualityPool, pooled, worker_count
 from ..options import AUTO
+from ..pipeline import ServerFrames
 from ..pipeline.options import SERVER_SCENE
 from ..pipeline.sizes import refreshes_of
-from ..pipeline.source import ServerFrames
 from ..report import OutputFolder, VideoWriter
 from ..sources.server import Server
 from .measuring import MAIN, Probe, method_name

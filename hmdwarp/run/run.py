@@ -13,25 +13,21 @@ from typing import ClassVar, Generic, Self, TypeVar
 import attrs
 import numpy as np
 
-from ..client import ClientScene
+from ..client import ClientScene, Compensator, Plan, needs_of
 from ..client.classes import load_client
-from ..client.compensator import Compensator
-from ..client.plan import Plan, needs_of
 from ..display import Display
 from ..errors import InputError, counted
 from ..frames import EyeSizes, Needs, frame_bytes, video_pixels
 from ..frames.layers import PICTURE
 from ..geometry import Eyes, Pose
-from ..gpu.context import Gpu
+from ..gpu import Gpu
 from ..headsets import Headset
 from ..link import CHANGES
 from ..link.codec import codecs
 from ..metrics import Alike, PairPass, QualityJob, QualityPool
-from ..pipeline.channel import Changes, Channel, Coder, Reads
+from ..pipeline import Changes, Channel, Coder, Loop, Reads, source_of
 from ..pipeline.governor import AdaptiveCompensator, Governor
-from ..pipeline.loop import Loop
 from ..pipeline.options import PREDICTED_GAZE, REMOTE, SERVER_SCENE, PipelineOptions
-from ..pipeline.proxy import source_of
 from ..pipeline.sizes import (
     check_held,
     expected_age_ns,
@@ -44,9 +40,17 @@ from ..pipeline.sizes import (
     smaller_size,
 )
 from ..pipeline.source import MomentOf, PoseRequest, Source, Target, client_scene, joined, motion_notes
-from ..poses import LoadedTrace, PoseSample, PoseSource, PoseTrack, RecordedSource, foreseen_gaze, load_trace
-from ..poses.prediction import predict
-from ..poses.predictors import predictors
+from ..poses import (
+    LoadedTrace,
+    PoseSample,
+    PoseSource,
+    PoseTrack,
+    RecordedSource,
+    foreseen_gaze,
+    load_trace,
+    predict,
+    predictors,
+)
 from ..poses.track import Gaze, Moment
 from ..scenes import Scene, take_inputs
 from ..sources.server import Renderer

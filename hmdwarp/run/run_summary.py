@@ -16,10 +16,10 @@ import attrs
 import numpy as np
 
 from ..geometry import Pose
-from ..gpu.context import Gpu
+from ..gpu import Gpu
 from ..link import ResponseTime, TransitStats, figures_of_parts
 from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference, metrics_in_order
-from ..pipeline.loop import Refresh
+from ..pipeline import Refresh
 from ..pipeline.sizes import rendered_entry
 from ..poses import PoseSample, PoseTrack, quaternions
 from ..poses.assumptions import Assumption, assumption_rows

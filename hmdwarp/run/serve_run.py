@@ -15,17 +15,16 @@ import attrs
 import numpy as np
 
 from .. import web
-from ..client.client_scene import ClientScene
-from ..client.plan import Plan, build_plan
+from ..client import ClientScene, Plan, build_plan
 from ..errors import InputError, MachineError
 from ..frames import Frame, Needs
 from ..frames.layers import PICTURE, RENDERED, Delivered, EyeSizes, layers
 from ..geometry import Pose, View, guarded_eyes
-from ..gpu.context import Gpu
-from ..gpu.textures import download
+from ..gpu import Gpu, download
 from ..link import LinkOptions
 from ..link.codec import check_codec
 from ..options import AUTO
+from ..pipeline import PipelineOptions
 from ..pipeline.channel import SEEN_PX, Changes
 from ..pipeline.feed_coding import (
     FOVEA_GRID,
@@ -38,13 +37,11 @@ from ..pipeline.feed_coding import (
     videos_for_browsers,
     wish_of,
 )
-from ..pipeline.options import PipelineOptions
 from ..pipeline.proxy import KnownHead, Proxy
 from ..pipeline.recorded_source import RecordedRenderer, RecordingSource
 from ..pipeline.remote import Remote, RemoteFrames
 from ..pipeline.source import PoseRequest, Source, nothing
-from ..poses import Origin, PoseSample, load_trace
-from ..poses.track import folded
+from ..poses import Origin, PoseSample, folded, load_trace
 from ..resources import import_extra, recording_names
 from ..scenes import InputBook, InputEvent, load_scene
 from ..sources import sequences

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, unknown_name
 from ..geometry import RigidState
-from ..options.declared import option_of
+from ..options import option_of
 from ._mesh import Body
 from ._scene import Scene
 from .input_events import InputLog

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb, srgb8_from_linear
-from ..gpu.context import Gpu
+from ..gpu import Gpu
 from ..gpu.egl import clear_buffer, mapped
 from ..gpu.textures import SCALAR, Canvas, Owner, allocate, flip_rows, texture_bytes
 

@@ -27,7 +27,7 @@ import zmq.asyncio
 from aiohttp import web
 
 from ..errors import InputError, are_digits
-from ..gpu.shaders import VERSION, flatten
+from ..gpu import VERSION, flatten
 from ..sources.feed.message import LARGEST_ASK, request_bytes, token_of
 from ..sources.feed.options import KeyPair
 from ..sources.feed.sockets import Places, is_local, set_options

@@ -11,7 +11,7 @@ import attrs
 from ...errors import InputError, unknown_name
 from ...frames import EyeImage, Needs
 from ...frames.layers import readable
-from ...gpu.context import Gpu
+from ...gpu import Gpu
 from ...gpu.textures import COLOUR, SCALAR, Canvas, Owner, allocate, bind_images
 from ...registry import Registry
 from ...scenes import Mesh, Scene

@@ -13,8 +13,7 @@ from ...errors import PlanError
 from ...frames import EyeImage, Mirrored, Needs, Others
 from ...geometry import View, view_map
 from ...geometry.view import mirrors_in_eye, tangents_of_pixels
-from ...gpu.context import Gpu
-from ...gpu.shaders import Compute
+from ...gpu import Compute, Gpu
 from ...gpu.textures import COLOUR, SCALAR, Canvas, Owner, allocate, bind_images, tiles
 from ..inputs import PassInputs, ShownPicture, as_image
 from ..warps import Output, pixel_of

@@ -16,7 +16,7 @@ import numpy as np
 from ...errors import InputError, MachineError
 from ...frames import EyeImage, Needs
 from ...geometry import Pose, RigidState, View, WarpMap, view_map
-from ...gpu.context import Gpu
+from ...gpu import Gpu
 from ...gpu.textures import COLOUR, SCALAR, Owner, allocate, bind_images, drawing_into
 from ...scenes import REACH_M, swing_seconds
 from ..inputs import PassInputs

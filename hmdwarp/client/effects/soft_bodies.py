@@ -12,7 +12,7 @@ import numpy as np
 from ...frames import EyeImage
 from ...geometry import View
 from ...geometry.view import tangents_of_pixels
-from ...gpu.shaders import Draw
+from ...gpu import Draw
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, bind_images, drawing_into
 from ...scenes import unlit
 from ...sources.server import DeformingMesh, Framebuffers, SceneTextures, draw_moving

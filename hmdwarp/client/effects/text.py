@@ -16,8 +16,7 @@ from ...frames import Needs
 from ...frames.layers import Inbox
 from ...frames.layers.panels import UNREADABLE, PanelDelivery, picture_in, places_in, showing_in
 from ...geometry import View
-from ...gpu.context import Gpu
-from ...gpu.shaders import Compute
+from ...gpu import Compute, Gpu
 from ...gpu.textures import COLOUR, Canvas, allocate, flip_rows, texture_bytes
 from ...scenes import Panel
 from ..client_scene import ClientScene, Store, receiver_of

@@ -10,8 +10,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...frames import Needs
-from ...gpu.context import Gpu
-from ...gpu.shaders import Compute
+from ...gpu import Compute, Gpu
 from ...gpu.textures import SCALAR, Canvas, Owner, allocate, bind_images, tiles
 from ...options import NoSettings
 from ..client_scene import ClientScene, DrawnModel, ReducedModel

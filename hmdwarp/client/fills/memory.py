@@ -15,8 +15,7 @@ from ...errors import InputError
 from ...frames import EyeImage, Needs
 from ...geometry import View, view_map
 from ...geometry.cube import COARSER
-from ...gpu.context import Gpu
-from ...gpu.shaders import Compute
+from ...gpu import Compute, Gpu
 from ...gpu.textures import COLOUR, NUMBER, SCALAR, Owner, allocate, bind_images, tiles
 from ..inputs import PassInputs, ShownPicture
 from ..settings import limited

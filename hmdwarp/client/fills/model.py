@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...geometry import View, view_map
 from ...geometry.view import tangents_of_pixels
-from ...gpu.context import Gpu
+from ...gpu import Gpu
 from ...gpu.textures import SCALAR, Owner, allocate, bind_images, tiles
 from ..inputs import PassInputs, ShownPicture
 from ..settings import limited

@@ -8,8 +8,7 @@ from functools import partial
 import attrs
 
 from ...geometry import view_map
-from ...gpu.context import Gpu
-from ...gpu.shaders import Compute
+from ...gpu import Compute, Gpu
 from ...gpu.textures import COLOUR, Owner, allocate, tiles
 from ..inputs import PassInputs, ShownPicture
 from ..settings import limited

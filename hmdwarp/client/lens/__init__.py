@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry import Fov, Hidden
-from ...gpu.context import Gpu
-from ...gpu.shaders import Compute
+from ...gpu import Compute, Gpu
 from ...gpu.textures import Canvas, Owner, bind_images
 from ...headsets import COLOURS, Headset, Lens, RadialLens, TableLens, ViveLens
 from ..settings import DescribedRegistry

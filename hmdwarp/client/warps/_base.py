@@ -17,8 +17,7 @@ from ...errors import InputError
 from ...frames import Needs
 from ...frames.layers import PICTURE
 from ...geometry import Fovea, View
-from ...gpu.context import Gpu
-from ...gpu.shaders import Compute
+from ...gpu import Compute, Gpu
 from ...gpu.textures import SCALAR, Canvas, Owner, allocate, download, upload
 from ...options import NoSettings
 from ...scenes import Scene

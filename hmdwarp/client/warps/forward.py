@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, MachineError
 from ...geometry import WarpMap, view_map
-from ...gpu.context import Gpu
-from ...gpu.shaders import Compute
+from ...gpu import Compute, Gpu
 from ...gpu.textures import Canvas, bind_images
 from ..inputs import PassInputs
 from ..settings import chosen, limited

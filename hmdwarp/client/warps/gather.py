@@ -15,10 +15,9 @@ import numpy as np
 from ...errors import PlanError
 from ...frames import EyeImage, Needs
 from ...frames.layers.pictures import FoveatedPicture
-from ...geometry import FoveaGrid, Pose, View, WarpMap, view_map
-from ...geometry.cube import face_views
+from ...geometry import FoveaGrid, Pose, View, WarpMap, face_views, view_map
+from ...gpu import Compute
 from ...gpu.hidden import Grid
-from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas, bind_images, tiles
 from ...options import NoSettings
 from ..inputs import PassInputs

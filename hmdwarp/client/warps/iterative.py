@@ -14,7 +14,7 @@ import numpy as np
 from ...errors import InputError
 from ...frames import EyeImage, Needs, Others
 from ...geometry import Fov, Hidden, WarpMap, view_map
-from ...gpu.context import Gpu
+from ...gpu import Gpu
 from ...gpu.hidden import Grid
 from ...gpu.textures import COLOUR, SCALAR, Canvas, Owner, allocate, bind_images, tiles
 from ..inputs import PassInputs

@@ -15,8 +15,7 @@ import numpy as np
 from ...errors import InputError, MachineError
 from ...frames import EyeImage
 from ...geometry import View, WarpMap, view_map
-from ...gpu.context import Gpu
-from ...gpu.shaders import Compute
+from ...gpu import Compute, Gpu
 from ...gpu.textures import COLOUR, Canvas, Owner, allocate, bind_images, drawing_into
 from ..inputs import PassInputs
 from ..settings import chosen, limited

@@ -17,7 +17,7 @@ import numpy as np
 from ...errors import InputError, PlanError
 from ...frames import EyeImage, Needs, Others
 from ...geometry import View, WarpMap, view_map
-from ...gpu.context import Gpu
+from ...gpu import Gpu
 from ...gpu.textures import Canvas, Owner, allocate, bind_images
 from ..inputs import PassInputs, as_image
 from ..settings import chosen, limited

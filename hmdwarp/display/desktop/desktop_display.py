@@ -9,12 +9,10 @@ import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 
-from ...gpu.context import Gpu
+from ...gpu import Gpu
 from ...headsets import load_headset
-from ...pipeline.loop import Refresh
-from ...poses import PoseSource
-from ...poses.synth import Walker
-from ...poses.track import LoopedSource
+from ...pipeline import Refresh
+from ...poses import LoopedSource, PoseSource, Walker
 from .. import Command, DisplayOptions, Label, Tick
 from ..controls import Status, help_closes
 from ..present import Notice, Presenter

@@ -12,7 +12,7 @@ from typing import Any
 import moderngl
 
 from ...errors import MachineError
-from ...gpu.context import WANTED
+from ...gpu import WANTED
 from .. import Closed
 from .window_system import ScreenHandle, Size, VideoMode, WindowHandle, last_error, window_size
 

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import glfw
 
-from ...poses import PoseSample
-from ...poses.synth import Walker
+from ...poses import PoseSample, Walker
 from .. import Command
 from ..controls import MOVING, Control, Status, and_mouse
 from .control_panel import installed

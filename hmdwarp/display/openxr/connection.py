@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from ...colour import srgb8_from_linear
 from ...errors import InputError, MachineError
 from ...geometry import View
-from ...gpu.context import Gpu
-from ...gpu.egl import depth_framebuffer
+from ...gpu import Gpu, depth_framebuffer
 from .. import Closed, DisplayOptions
 from .actions import Actions
 from .graphics import Graphics, check_requirements

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from ...gpu.textures import Canvas
+from ...gpu import Canvas
 from .. import Command, Label, Status
 from ..controls import CONTROLS, Control, help_closes
 from ..desktop.window import Window

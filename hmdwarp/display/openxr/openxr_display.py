@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ...errors import HmdwarpError, MachineError
-from ...pipeline.loop import Refresh
+from ...pipeline import Refresh
 from .. import Command, DisplayOptions, Label, Status, Tick
 from ..present import Presenter
 from .connection import IDLE_S, NEAR_M, Connection, Projection

@@ -16,11 +16,11 @@ from typing import Any
 
 import attrs
 
+from ...client import needs_of
 from ...client.capability import lacking
 from ...client.classes import Client, load_client
-from ...client.plan import needs_of
 from ...errors import HmdwarpError, InputError, MachineError
-from ...gpu.context import Gpu
+from ...gpu import Gpu
 from ...headsets import Headset
 from ...metrics import (
     BOUND,
@@ -39,18 +39,17 @@ from ...options import PAPER
 from ...options.documents import json_in
 from ...options.identity import hash_of_files, program_hash
 from ...options.named_files import RESULTS
+from ...pipeline import Source
 from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.sizes import build_plan_for, check_held, eye_sizes
-from ...pipeline.source import Source
 from ...platforms import memory_bytes
 from ...report import SCHEMA, OutputFolder, summary_faults, write_paper
 from ...report.bench.crops import Crops, packed, unpacked
 from ...report.bench.page import bench_page
 from ...report.bench.rows import COLUMNS, Columns, cases, first_cases, row_name, table_of
 from ...resources import import_extra
-from ...run import measuring
+from ...run import ReplayRun, measuring, set_up_replay
 from ...run.options import refuse_one_name
-from ...run.run import ReplayRun, set_up_replay
 from ...run.run_summary import machine_of, summary_of_rows
 from ...sources.sequences.readers import readers
 from ..sweep import MOST_SHOWN, ExperimentResult, Measuring, Result, SweepCase, experiment

@@ -9,10 +9,10 @@ from typing import Any
 
 import attrs
 
+from ...client import every_baseline, every_warp, fill_text, parse_fills, parse_warp
 from ...client.effects import effects
 from ...client.plan import CLIENT_MODEL, OTHERS, Plan, build_plan, needs_of
 from ...client.strategies import has_own_link, options_of_strategy
-from ...client.variants import every_baseline, every_warp, fill_text, parse_fills, parse_warp
 from ...client.warps import warps
 from ...errors import MachineError, PlanError, listed
 from ...frames.layers import PICTURE, layers
@@ -20,10 +20,9 @@ from ...geometry import Fovea
 from ...headsets import Headset
 from ...link import LinkOptions
 from ...options import guard_band
-from ...pipeline.options import PipelineOptions
+from ...pipeline import PipelineOptions, Source
 from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.sizes import build_plan_for, check_suited, guarded_size
-from ...pipeline.source import Source
 from ...poses import LoadedTrace, PoseTrack, load_trace
 from ...run.measuring import OUTSIDE, PLANLESS, Case, Combination, batches, instants_of, missing, outside_plan
 from ...run.options import RunOptions, refuse_one_name

@@ -13,9 +13,9 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ...client import Plan
 from ...client.capability import lacking
 from ...client.classes import Client, load_client
-from ...client.plan import Plan
 from ...client.strategies import options_of_strategy, strategies
 from ...errors import InputError, PlanError
 from ...frames import EyeSizes, frame_bytes, video_pixels
@@ -23,12 +23,11 @@ from ...link import LinkOptions
 from ...link.codec import codecs
 from ...metrics import MeasuringThreads, at_instants
 from ...options import PAPER
-from ...pipeline.proxy import source_of
-from ...pipeline.sizes import build_plan_for
+from ...pipeline import build_plan_for, source_of
 from ...report import png_bytes, write_paper
 from ...report.bench.rows import first_cases
 from ...report.compare_page import COLUMNS, OF_COMPARE, OF_NOTEBOOK, compare_page
-from ...run.options import RunOptions
+from ...run import RunOptions
 from ...run.replay_run import Measured, NothingShown, measured
 from ...run.run import first_shown_s, schedule_for
 from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Measuring, Result, SweepCase, experiment

@@ -33,8 +33,8 @@ from ...options import (
     split_names,
 )
 from ...poses.options import DEFAULT_PREDICTOR, PREDICTORS
-from ...run.options import RunOptions
-from ...scenes.options import EXTRAPOLATED
+from ...run import RunOptions
+from ...scenes import EXTRAPOLATED
 from ..sweep.options import RecordedOptions, own_first
 from .suites import suites, with_suite
 

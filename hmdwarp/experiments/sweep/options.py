@@ -12,9 +12,9 @@ import attrs
 from ...errors import InputError
 from ...options import Declared, force_field, group, option, option_of, same_as
 from ...pipeline.options import with_headset
-from ...poses.options import TraceOptions
+from ...poses import TraceOptions
 from ...run.options import RunOptions, recordings_field
-from ...scenes.options import SceneOptions
+from ...scenes import SceneOptions
 from ...sources.sequences.options import SequenceOptions
 
 LOCAL = r"local:([1-9][0-9]{0,2})"

@@ -13,26 +13,23 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ...client import needs_of
 from ...client.capability import lacking
 from ...client.classes import load_client
-from ...client.plan import needs_of
 from ...client.strategies import strategies
 from ...colour import picture_from_linear
 from ...geometry import View, WarpMap
-from ...gpu import flip_rows
-from ...gpu.textures import download
+from ...gpu import download, flip_rows
 from ...headsets import load_headset
 from ...link import SUM, Bandwidth, LinkOptions
 from ...link.codec import Coding
 from ...metrics import LEAST_STEP, RELATIVE_STEP, Compared, hole_share, psnr
-from ...pipeline.loop import Refresh
+from ...pipeline import Refresh
 from ...pipeline.sizes import build_plan_for, refreshes_of
-from ...poses import GLIDES, synthesise
-from ...poses.synth import write_synthetic
+from ...poses import GLIDES, synthesise, write_synthetic
 from ...report import timeline_svg
-from ...run import RunOptions, measured, set_up_replay
+from ...run import ReplayRun, RunOptions, measured, set_up_replay
 from ...run.measuring import Combination, Truth, coverage, draw_truth, refreshes, shown_picture
-from ...run.run import ReplayRun
 from ...scenes import load_scene
 from .experiment import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, PictureRun, StreamRun
 

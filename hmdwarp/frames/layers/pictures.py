@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry import Fov, Fovea, FoveaGrid, Mirror, Pose, RigidState, View, grid_of
-from ...geometry.cube import cube_size, wide_size
+from ...geometry import Fov, Fovea, FoveaGrid, Mirror, Pose, RigidState, View, cube_size, grid_of, wide_size
 from ..frame import EyeImage
 from . import BRIGHT_VIDEO, DEPTH, OWN, PIXEL_BYTES, VECTORS, EyeSizes, Layer, Rows, Size, Surface, layers
 

@@ -12,7 +12,7 @@ from ...errors import InputError, unknown_name
 from ...frames import EyeImage, Frame, Needs
 from ...frames.layers import PICTURE, layers
 from ...geometry import Fov, Guard, View, guarded_eyes
-from ...gpu.context import Gpu
+from ...gpu import Gpu
 from ...scenes import Scene
 from .parts import DrawContext, Drawing, Part, parts
 from .passes import Lighting, SceneBuffers, ScenePasses, SceneTextures, moving_parts

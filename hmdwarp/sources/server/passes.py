@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from ...errors import SceneError
 from ...geometry import Fov, Pose, View
 from ...geometry.cube import FACES, face_views
-from ...gpu.context import Gpu
-from ...gpu.shaders import Draw, Uniforms
+from ...gpu import Draw, Gpu, Uniforms
 from ...gpu.textures import COLOUR, Owner, allocate, check_size, drawing_into, flip_rows, release_all
 from ...scenes import ATLAS, MOST_LAMPS, Mesh, Scene, Texture, blocking, chunks_of, indirect_atlas, lamps_at
 

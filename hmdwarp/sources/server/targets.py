@@ -16,7 +16,7 @@ from ...errors import MachineError
 from ...frames import EyeImage, Frame
 from ...frames.layers import layers
 from ...geometry import Pose, View
-from ...gpu.context import Gpu
+from ...gpu import Gpu
 from ...gpu.textures import COLOUR, SCALAR, Owner, allocate, check_size, release_all, texture_bytes
 from ...scenes import Scene
 from ..array_passes import Arrays, GiveCodes, Upload

@@ -14,8 +14,7 @@ from imgui_bundle import imgui
 from imgui_bundle.imgui import backends
 from imgui_bundle.python_backends.glfw_backend import GlfwRenderer
 
-from ....gpu.shaders import VERSION
-from ....gpu.textures import drawing_into
+from ....gpu import VERSION, drawing_into
 from ... import Command
 from ...controls import Control, Status
 from ..window_system import WindowHandle

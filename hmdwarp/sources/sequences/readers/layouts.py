@@ -20,10 +20,9 @@ from numpy.typing import NDArray
 from ....colour import linear_from_srgb
 from ....errors import InputError, are_digits, listed
 from ....options.named_files import FACTS, LIST, PICTURE_FILE, TABLE, content_of, enter, named_in, opened, text_in
-from ....poses import Origin, TraceOptions, load_trace
+from ....poses import LoadedTrace, Origin, TraceOptions, load_trace
 from ....poses.assumptions import AXES_BY, Assumption, By, first_stated
 from ....poses.formats import find_format
-from ....poses.reading.cleaning import LoadedTrace
 from ....poses.reading.made_rows import ColmapCamera, read_cameras, read_images
 from ....poses.reading.text_table import read_head
 from .. import frame_files as _files

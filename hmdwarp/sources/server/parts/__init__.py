@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ....frames import EyeImage, Needs
 from ....frames.layers import layers
 from ....geometry import View
-from ....gpu.context import Gpu
+from ....gpu import Gpu
 from ....gpu.textures import COLOUR, SCALAR, Owner, allocate
 from ....registry import Registry
 from ....scenes import Scene

@@ -19,7 +19,7 @@ from ....frames import EyeImage, Surface, Transparent
 from ....frames.layers import Outbox, Update
 from ....frames.layers.panels import PanelDelivery, first_things, things_of, with_showing
 from ....geometry import Pose, View
-from ....gpu.shaders import Draw
+from ....gpu import Draw
 from ....gpu.textures import Owner, drawing_into
 from ....scenes import Material, Mesh, Panel, Scene, is_cutout, only_light
 from ..passes import SAME_SURFACE, Moving, SceneBuffers, ScenePasses, SceneTextures, clip_from_eye, moving_parts

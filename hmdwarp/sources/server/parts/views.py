@@ -20,8 +20,7 @@ from ....frames import BodyIds, EyeImage, Needs
 from ....frames.layers import Outbox, Update
 from ....frames.layers.pictures import FoveatedPicture
 from ....frames.layers.scene_parts import Delivery, Simplified
-from ....geometry import Fovea, Pose, View, WarpMap
-from ....geometry.cube import cube_size, wide_size, wide_view
+from ....geometry import Fovea, Pose, View, WarpMap, cube_size, wide_size, wide_view
 from ....gpu.textures import COLOUR, NUMBER, SCALAR, Owner, download, drawing_into, flip_rows
 from ....scenes import COARSE, FULL, HALF, Scene, partial_scene, pieces_of
 from ..passes import SAME_SURFACE, DeformingMesh, Moving, MovingBody, ScenePasses, draw_cube, draw_moving, may_be_seen
