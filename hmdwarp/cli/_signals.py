@@ -19,7 +19,8 @@ def end_cleanly() -> None:
     """From now on SIGTERM and SIGHUP raise Ended, the first time that anybody hears of it.
 
     Later ones are ignored, for cleaning up is under way. Python drops what is raised inside a
-    destructor or a callback of C code; then the signal comes again, after a moment.
+    destructor or a callback of C code, Ctrl-C's exception too; then the signal comes again, after a
+    moment.
     """
 
     def end(number: int, _: object) -> None:
@@ -27,11 +28,14 @@ def end_cleanly() -> None:
         raise Ended(number)
 
     def dropped(about: sys.UnraisableHookArgs) -> None:
-        if not isinstance(about.exc_value, Ended):
+        if isinstance(about.exc_value, Ended):
+            (number,) = about.exc_value.args
+            signal.signal(number, end)
+        elif isinstance(about.exc_value, KeyboardInterrupt):
+            number = signal.SIGINT
+        else:
             usual(about)
             return
-        (number,) = about.exc_value.args
-        signal.signal(number, end)
         again = threading.Timer(_AGAIN_S, os.kill, (os.getpid(), number))
         again.daemon = True
         again.start()

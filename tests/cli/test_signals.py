@@ -76,27 +76,29 @@ def test_killed_at_once_leaves_no_final_names(replaying):
     assert sorted(p.name for p in out.iterdir() if not p.name.startswith(".partial-")) == ["images", "summary.json"]
 
 
-def test_a_signal_whose_exception_was_lost_comes_again():
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGINT"])
+def test_a_signal_whose_exception_was_lost_comes_again(name):
     """Python drops what a handler raises while a destructor runs; the run must end all the same."""
-    code = """
+    code = f"""
 import os, signal, time
 from hmdwarp.cli import _signals
 class Thing:
     def __del__(self):
-        os.kill(os.getpid(), signal.SIGTERM)
+        os.kill(os.getpid(), signal.{name})
         for _ in range(100): pass
 _signals.end_cleanly()
 Thing()
 try:
     while True: time.sleep(0.01)
-except _signals.Ended as error:
-    print("ended by", error.args[0])
+except (_signals.Ended, KeyboardInterrupt) as error:
+    print("ended by", *error.args)
 """
     done = subprocess.run(
         [PROGRAM[0], "-c", code], capture_output=True, text=True, check=True,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
     )  # fmt: skip
-    assert (done.stdout, done.stderr) == (f"ended by {int(signal.SIGTERM)}\n", "")
+    number = f" {int(signal.SIGTERM)}" if name == "SIGTERM" else ""
+    assert (done.stdout, done.stderr) == (f"ended by{number}\n", "")
 
 
 def program(*arguments: object, **environment: str) -> subprocess.Popen:
