@@ -272,6 +272,8 @@ class HeadsetEye:
         if self.hidden:
             level = HeadsetEye(Pose(), attrs.evolve(self.fov, down=-_LEVEL, up=_LEVEL), hidden=self.hidden)
             columns = np.flatnonzero(level.seen((_LEVEL_COLUMNS, 1)))
+            if not len(columns):
+                raise InputError("the hidden area covers all of the view at eye level: expected less than that")
             step = (right - left) / _LEVEL_COLUMNS
             left, right = left + step * float(columns[0]), left + step * float(columns[-1] + 1)
         x, _, z = self.head_from_eye.rotation_matrix @ np.array([(left, right), (0, 0), (-1, -1)])

@@ -178,6 +178,7 @@ CORNER, HIDDEN = "[[-1.2, 0.9], [-1.2, 0.4], [-0.6, 0.9]]", "hidden is no list o
         (f"[{CORNER}]", "[[[-1.2, 0.9], [-1.2, 0.4]]]", HIDDEN),
         (f"[{CORNER}]", "7", HIDDEN),
         (CORNER, "[[-2, -2], [2, -2], [2, 2], [-2, 2]]", "hidden area covers 100% of the view"),
+        (CORNER, "[[-2, -0.05], [2, -0.05], [2, 0.05], [-2, 0.05]]", "all of the view at eye level"),
         (f"hidden = [{CORNER}]", "hidden_share = 0.1\nseen_deg = [-9, 9, -9, 9]", "seen_deg and hidden_share 0.1"),
         ("ipd_m = 0.06", "ipd_m = 60", "eyes.ipd_m is 60"),
     ],
