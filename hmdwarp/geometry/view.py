@@ -333,6 +333,7 @@ class Hidden:
         made.flags.writeable = False
         return made
 
+    @np.errstate(over="ignore", invalid="ignore")  # an edge may be as flat as numbers are
     def _inside(self, fov: Fov, size: Size) -> NDArray[np.bool_]:
         to_pixel, seen = fov.pixel_from_tangent(size), np.ones(size[::-1], bool)
         columns, rows = (np.arange(count) + 0.5 for count in size)
