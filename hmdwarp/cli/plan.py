@@ -26,7 +26,7 @@ def plan(said: Said) -> None:
 
     With --proxy those of the proxy too. Says what makes the scene slow to draw, and what to do.
     """
-    from ..display.openxr import RUNTIME_LABEL
+    from ..display.openxr.diagnosis import RUNTIME_LABEL
     from ..pipeline.sizes import build_plan_for, proxy_plan_for, rendered_text
     from ..pipeline.source import motion_notes
 

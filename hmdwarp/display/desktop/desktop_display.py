@@ -64,16 +64,15 @@ class DesktopDisplay(WindowView):
         lacks_panel = has_panel and not self._input.open_panel()
         self._say("\n".join([*keys.first_words(options.trace is None), *([NO_PANEL] if lacks_panel else [])]))
         closers.callback(self._input.close)
-        self.about = {"screen": self._window.screen_text(), "renderer": self.gpu.renderer, **options.about_trace()}
+        self.about = {"display": "window", "renderer": self.gpu.renderer, **options.about_trace()}
 
     def _say(self, text: str) -> None:
         self._remark, self._until_ns = text, self.now_ns() + REMARK_NS
 
     def _states(self) -> dict[str, object]:
         """Return what each switch of the window itself is."""
-        panel, window = self._input.panel, self._window
-        on = {"panel": panel is not None and panel.on, "help": self._input.help}
-        return {"full_screen": window.fills_screen, "vsync": window.vsync, **on}
+        panel = self._input.panel is not None and self._input.panel.on
+        return {"full_screen": self._window.fills_screen, "panel": panel, "help": self._input.help}
 
     def _obey(self, name: str, value: object) -> None:
         """Do what a control of the window itself requests; None is for the other state."""
@@ -83,9 +82,6 @@ class DesktopDisplay(WindowView):
         elif name == "full_screen":
             window.fill_screen(on)
             self._pacer.pause()
-        elif name == "vsync":
-            window.wait_for_screen(on)
-            self._pacer.set(window.rate_hz, on)
         elif name == "help":
             self._input.help = on
         elif name == "quit":

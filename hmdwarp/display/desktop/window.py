@@ -68,7 +68,8 @@ class Window:
         # moderngl's annotation omits context objects, its manual does not
         context: Any = WindowContext(glfw, self.handle)
         context.__enter__()  # current from now on
-        self.wait_for_screen(vsync)
+        self.vsync = vsync  # whether swaps wait for the screen
+        glfw.swap_interval(1 if vsync else 0)
         try:
             self.gl = moderngl.create_context(require=WANTED, context=context)
         except Exception as error:  # moderngl raises bare Exception and ValueError
@@ -88,16 +89,6 @@ class Window:
         """Refresh rate of its screen; 60 where unknown (virtual screens)."""
         _, mode = self._screen()
         return float(mode.refresh_rate) if mode is not None and mode.refresh_rate > 0 else UNKNOWN_HZ
-
-    def screen_text(self) -> str:
-        """Return name, size and rate of its screen."""
-        screen, mode = self._screen()
-        if mode is None:
-            return "none"
-        name = self._glfw.get_monitor_name(screen)
-        name = name.decode(errors="replace") if isinstance(name, bytes) else str(name)
-        rate = f" at {mode.refresh_rate} Hz" if mode.refresh_rate > 0 else ""
-        return f"{name}, {mode.size.width}x{mode.size.height}{rate}"
 
     def _screen(self) -> tuple[ScreenHandle | None, VideoMode | None]:
         """Return the screen that it fills, or that most of it lies on, and its size and rate."""
@@ -148,11 +139,6 @@ class Window:
             glfw.set_window_monitor(self.handle, screen, 0, 0, mode.size.width, mode.size.height, mode.refresh_rate)
         elif not on and self.fills_screen:
             glfw.set_window_monitor(self.handle, None, *(self._place or (0, 0, *FALLBACK_ROOM)), 0)
-
-    def wait_for_screen(self, on: bool) -> None:
-        """Set whether swaps wait for the screen. The context must be current."""
-        self.vsync = on
-        self._glfw.swap_interval(1 if on else 0)
 
     def title(self, text: str) -> None:
         if text != self._title:
