@@ -29,7 +29,7 @@ import attrs
 from ..display.openxr.diagnosis import A_BINDING, INSTALL, RESTART, load_binding
 from ..errors import HmdwarpError
 from ..gpu import HOW_TO_GET_GL, WANTED, Gpu, egl
-from ..resources import EXTRAS, __version__, install_line
+from ..resources import __version__, install_line
 
 PROBE_SECONDS = 30.0  # a cold runtime may start its whole compositor before it answers
 # Missing: replay cannot run without it. Optional: absent, and only some commands need it.
@@ -52,7 +52,9 @@ def examine() -> list[Finding]:
     """Check everything, drivers side by side; takes up to half a minute if one hangs."""
     with ThreadPoolExecutor() as pool:
         gl, devices, openxr, window = pool.map(run_probe, ("gl", "devices", "openxr", "window"))
-    extras = [found for name in EXTRAS if (found := _packages(f"extra {name}", name)) is not None]
+    installed = importlib.metadata.distributions(name="hmdwarp")
+    names = {name for each in installed for name in each.metadata.get_all("Provides-Extra", ())} - {"test", "docs"}
+    extras = [found for name in sorted(names) if (found := _packages(f"extra {name}", name)) is not None]
     machine = {"version": platform.python_version(), "cpu_count": os.cpu_count()}
     about = f"{machine['version']} on {platform.system()} {platform.machine()}, {machine['cpu_count']} processors"
     packages = _packages("packages") or Finding(
@@ -106,8 +108,7 @@ def _packages(title: str, extra: str = "") -> Finding | None:
             absent.append(name)
     if absent:
         remedy = install_line(extra) if extra else f"pip install {' '.join(absent)}"
-        detail = f"not installed: {', '.join(absent)}{f' (for {EXTRAS[extra]})' if extra else ''}"
-        return Finding(title, OPTIONAL if extra else MISSING, detail, remedy, versions)
+        return Finding(title, OPTIONAL if extra else MISSING, f"not installed: {', '.join(absent)}", remedy, versions)
     named = ", ".join(f"{name} {version}" for name, version in versions.items())
     return Finding(title, OK, named if extra else f"hmdwarp {__version__}; {named}", facts=versions)
 

@@ -17,7 +17,6 @@ from typer.testing import CliRunner
 from hmdwarp.cli import _checks as doctor
 from hmdwarp.cli._checks import MISSING, OK, OPTIONAL, Finding
 from hmdwarp.cli.catalogue import doctor as command
-from hmdwarp.resources import EXTRAS
 
 
 @pytest.fixture
@@ -129,12 +128,7 @@ PROJECT = tomllib.loads((Path(__file__).resolve().parents[2] / "pyproject.toml")
 DECLARED = PROJECT["optional-dependencies"]
 
 
-def test_every_extra_says_what_it_is_for():
-    """Those for work on hmdwarp itself are no user's."""
-    assert set(EXTRAS) == set(DECLARED) - {"test", "docs"}
-
-
-def test_a_missing_extra_is_reported_with_its_use(monkeypatch):
+def test_a_missing_extra_is_reported(monkeypatch):
     there = {"pyarrow": "26.0.1"}
 
     def version(name: str) -> str:
@@ -146,7 +140,6 @@ def test_a_missing_extra_is_reported_with_its_use(monkeypatch):
     study = doctor._packages("extra study", "study")
     assert study.state == OPTIONAL and ".[study]" in study.remedy
     assert "statsmodels" in study.detail and "pyarrow" not in study.detail
-    assert EXTRAS["study"] in study.detail
     there.update({re.split(r"[^\w.-]", line)[0]: "1.0" for line in DECLARED["study"]})
     assert [doctor._packages("", extra).state for extra in ("study", "feed")] == [OK, OPTIONAL]
 
