@@ -109,7 +109,6 @@ def test_this_machine_can_replay(gpu):
     facts = next(f for f in told["findings"] if f["name"] == "OpenGL")["facts"]
     assert facts["renderer"] == gpu.renderer
     assert facts["max_texture_size"] == gpu.max_texture_size
-    assert facts["max_work_group_invocations"] >= 1024  # what OpenGL 4.3 promises
 
 
 def test_old_opengl_ends_with_3_and_the_line_to_type(monkeypatch):

@@ -52,7 +52,7 @@ class Window:
         vsync: bool = True,
     ) -> None:  # fmt: skip
         self._glfw, self._title = glfw, title
-        self.handle = _create(glfw, title, _units(glfw, wanted, column))
+        self.handle = hidden_window(glfw, title, _units(glfw, wanted, column))
         self._closed = False
         self._place: tuple[int, int, int, int] | None = None  # its place before it filled the screen
         if full_screen:
@@ -181,8 +181,8 @@ def _units(glfw: ModuleType, wanted: Size, column: int) -> Size:
     return max(1, round(width / unit)), max(1, round(height / unit))
 
 
-def _create(glfw: ModuleType, title: str, size: Size) -> WindowHandle:
-    """Make a hidden window."""
+def hidden_window(glfw: ModuleType, title: str, size: Size) -> WindowHandle:
+    """Return a new window that is not shown. Errors: as Window."""
     glfw.default_window_hints()
     for hint, value in {
         glfw.VISIBLE: glfw.FALSE,
