@@ -61,7 +61,7 @@ def examine() -> list[Finding]:
         "packages", OPTIONAL, "hmdwarp runs from a folder, not installed: its packages were not checked", "make setup"
     )
     python = Finding("Python", OK, about, facts=machine)
-    return [python, packages, _opengl(gl), _devices(devices), _openxr(openxr), _window(window), _codecs(), *extras]
+    return [python, packages, _opengl(gl), _devices(devices), _openxr(openxr), _window(window), *extras]
 
 
 def run_probe(question: str, seconds: float = PROBE_SECONDS) -> Facts:
@@ -158,21 +158,6 @@ def _window(known: Facts) -> Finding:
         return Finding("desktop window", OPTIONAL, _reason(known), remedy, known)
     size = "{}x{} at {} Hz".format(*known["size"], known["refresh_hz"] or "?") if known["size"] else "no monitor"
     return Finding("desktop window", OK, f"OpenGL 4.3 window opens, screen {size}", facts=known)
-
-
-def _codecs() -> Finding:
-    """Try the encoders, which --video and --codec use."""
-    from ..link.codec import codecs
-
-    works, missing = [], []
-    for codec in (codec for codec in codecs if not codec.is_none):
-        try:
-            codec.check()
-            works.append(f"{codec.name} by {codec.encoder}")
-        except Exception as error:  # MachineError, and loader errors of av's libraries
-            missing.append(f"{codec.name} is missing ({type(error).__name__})")
-    remedy = f"{install_line('video')}, or where it is broken pip install --force-reinstall av"
-    return Finding("codecs", OPTIONAL if missing else OK, ", ".join([*works, *missing]), remedy if missing else "")
 
 
 # Both are needed for a 64-bit depth test in one pass; there is a 32-bit path for everything.

@@ -155,7 +155,7 @@ def test_drivers_are_asked_at_the_same_time_and_a_folder_may_not_be_installed(pr
     found = {finding.name: finding for finding in doctor.examine()}
     names = ("OpenGL", "EGL devices", "OpenXR", "desktop window")
     assert [found[name].detail for name in names] == ["together"] * 4
-    assert set(found) == {"Python", "packages", *names, "codecs"}
+    assert set(found) == {"Python", "packages", *names}
     assert found["packages"].state == OPTIONAL and found["packages"].remedy == "make setup"
 
 
