@@ -125,9 +125,8 @@ class DesktopDisplay(WindowView):
 
     def show(self, refresh: Refresh | None, label: Label = "") -> int:
         size, panel = self._window.framebuffer_size, self._input.panel
-        column = (
-            panel.column if panel is not None else 0
-        )  # the panel covers pictures that it would leave less than half
+        # The panel covers pictures that it would leave less than half.
+        column = panel.column if panel is not None else 0
         self._draw(refresh, (size[0] - column, size[1]) if 2 * column <= size[0] else size, label)
         self._input.takes_text = not isinstance(label, str) and label.takes_text
         self._input.point(self._uv_at if not isinstance(label, str) and label.pointed else None)
@@ -149,9 +148,8 @@ class DesktopDisplay(WindowView):
         # A remark is hidden beside a text panel.
         remark = self._remark if self.now_ns() < self._until_ns else ""
         notice = presenter.notice("\n".join(filter(None, (label, remark))) if isinstance(label, str) else label)
-        self._input.help = self._input.help and not help_closes(
-            self._keys.controls, has_text_panel=not isinstance(label, str)
-        )
+        if help_closes(self._keys.controls, has_text_panel=not isinstance(label, str)):
+            self._input.help = False
         # The help covers the first eye alone: the other one shows the effect of the keys.
         notices = (presenter.notice(self._keys.help_text()) if self._input.help else notice, notice)
         pictures = (None,) * self.count if refresh is None else tuple(eye.panel for eye in refresh.eyes)

@@ -1,8 +1,11 @@
 """A headset through OpenXR. The binding loads with OpenXrDisplay: it needs libGL and some time."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .diagnosis import load_binding
+
+if TYPE_CHECKING:
+    from .openxr_display import OpenXrDisplay as OpenXrDisplay
 
 
 def __getattr__(name: str) -> Any:
