@@ -82,18 +82,10 @@ def in_brief(value: object) -> str:
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}.."
 
 
-def nearest(name: str, known: list[str]) -> str:
-    """Return the known name that `name` may be a slip of, "" for none that is near."""
-    small, by_small = name.casefold(), {name.casefold(): name for name in known}
-    close = difflib.get_close_matches(small, by_small, n=1)
-    longer = [candidate for candidate in by_small if len(small) > 2 and candidate.startswith(small)]
-    return by_small[[*close, *longer][0]] if close or longer else ""
-
-
 def unknown_name(kind: str, name: str, known: list[str]) -> UnknownNameError:
     """Return the error for an unknown `name`: it offers the nearest, and tells a directory."""
     if any(name.startswith(FILE) for name in known) and os.path.isdir(name):  # noqa: PTH112 (Path fails for a name too long)
         return UnknownNameError(f"{kind} '{name}' is a directory: expected a file or a name: {', '.join(known)}")
-    near, name = nearest(name, known), name if len(name) <= _SHOWN else f"{name[:_SHOWN]}.."
-    hint = f"did you mean '{near}'? " if near else ""
+    near, name = difflib.get_close_matches(name.lower(), known, n=1), name[:_SHOWN] + ".." * (len(name) > _SHOWN)
+    hint = f"did you mean '{near[0]}'? " if near else ""
     return UnknownNameError(f"unknown {kind} '{name}': {hint}known are {', '.join(known)}")

@@ -16,16 +16,12 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-
-def _posix(name: str) -> Any:
-    """Return a module of POSIX, None where it is missing."""
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        return None
-
-
-fcntl, termios = _posix("fcntl"), _posix("termios")
+fcntl: Any
+termios: Any
+try:
+    fcntl, termios = map(importlib.import_module, ("fcntl", "termios"))
+except ImportError:
+    fcntl = termios = None
 # For os.open; 0 where a system has no such flag. Windows alone would translate line ends.
 CLOEXEC, NOFOLLOW, NONBLOCK = (getattr(os, f"O_{name}", 0) for name in ("CLOEXEC", "NOFOLLOW", "NONBLOCK"))
 BINARY = getattr(os, "O_BINARY", 0)

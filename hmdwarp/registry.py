@@ -106,7 +106,7 @@ class Registry(Generic[T]):
             else:
                 raise unknown_name(self.kind, name, self.names())
             if name not in self._entries:
-                raise ValueError(f"{self.package}.{name} registers no {self.kind} called '{name}'")
+                raise InputError(f"no {self.kind} '{name}' is registered by the module or entry point of that name")
         return self._entries[name]
 
     def __iter__(self) -> Iterator[T]:
@@ -134,19 +134,14 @@ class Registry(Generic[T]):
         return (files - {*self._modules.values()}) | {*self._modules, *self._tables}
 
     def _load(self, point: importlib.metadata.EntryPoint) -> None:
-        origin = f"package '{point.dist.name}'" if point.dist is not None else f"'{point.value}'"
         try:
             point.load()
         except Exception as error:  # another package's code may raise anything
+            origin = f"package '{point.dist.name}'" if point.dist is not None else f"'{point.value}'"
             raise InputError(
                 f"{self.kind} '{point.name}' of {origin} cannot be loaded ({type(error).__name__}: {error}): "
                 "update or uninstall that package"
             ) from error
-        if point.name not in self._entries:
-            raise InputError(
-                f"{origin} promises a {self.kind} '{point.name}' but registers none of that name: "
-                f"its entry point in group {self.group} must carry the name of the {self.kind}"
-            )
 
 
 @functools.cache

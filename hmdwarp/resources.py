@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import importlib
-import json
 import platform
 import subprocess
 from contextlib import suppress
@@ -17,26 +16,6 @@ from .errors import MachineError
 
 __version__ = "0.2.0"
 
-# What each optional package is for. Which packages they are, pyproject.toml says.
-EXTRAS = {
-    "bags": "recorded frames and head traces in bags of ROS",
-    "bench": "cv2.warpFrame among the warps of bench",
-    "cluster": "--cluster",
-    "draco": "glTF scenes compressed with Draco",
-    "exr": "frames in OpenEXR",
-    "feed": "serve and --connect",
-    "jod": "--jod",
-    "lsl": "study run --lsl",
-    "mcap": "head traces in MCAP",
-    "openxr": "headsets: live, record and study through OpenXR",
-    "panel": "the controls in the window of live; without them there are keys",
-    "reduce": "scenes with fewer triangles: fills model and relight, warp difference, model:share=..",
-    "scenes": "scenes in OBJ and PLY files, and Mitsuba's that name them",
-    "study": "study analyse, Parquet files",
-    "video": "--video, --codec and recorded frames in videos",
-    "web": "serve --web",
-}
-
 _PACKAGE = Path(__file__).resolve().parent
 
 
@@ -47,9 +26,6 @@ def commit() -> str:
         with suppress(OSError, subprocess.CalledProcessError):
             git = ["git", "-C", str(_PACKAGE.parent), "describe", "--always", "--abbrev=12", "--exclude=*", "--dirty=+"]
             return subprocess.run(git, capture_output=True, text=True, check=True).stdout.strip()
-    with suppress(metadata.PackageNotFoundError, ValueError, KeyError, TypeError):  # of `pip install git+https://..`
-        about = metadata.distribution("hmdwarp").read_text("direct_url.json")
-        return str(json.loads(about or "")["vcs_info"]["commit_id"])[:12]
     return ""
 
 

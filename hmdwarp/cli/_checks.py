@@ -29,7 +29,7 @@ import attrs
 from ..display.openxr.diagnosis import A_BINDING, INSTALL, RESTART, load_binding
 from ..errors import HmdwarpError
 from ..gpu import HOW_TO_GET_GL, WANTED, Gpu, egl
-from ..resources import EXTRAS, __version__, install_line
+from ..resources import __version__, install_line
 
 PROBE_SECONDS = 30.0  # a cold runtime may start its whole compositor before it answers
 # Missing: replay cannot run without it. Optional: absent, and only some commands need it.
@@ -52,14 +52,16 @@ def examine() -> list[Finding]:
     """Check everything, drivers side by side; takes up to half a minute if one hangs."""
     with ThreadPoolExecutor() as pool:
         gl, devices, openxr, window = pool.map(run_probe, ("gl", "devices", "openxr", "window"))
-    extras = [found for name in EXTRAS if (found := _packages(f"extra {name}", name)) is not None]
+    installed = importlib.metadata.distributions(name="hmdwarp")
+    names = {name for each in installed for name in each.metadata.get_all("Provides-Extra", ())} - {"test", "docs"}
+    extras = [found for name in sorted(names) if (found := _packages(f"extra {name}", name)) is not None]
     machine = {"version": platform.python_version(), "cpu_count": os.cpu_count()}
     about = f"{machine['version']} on {platform.system()} {platform.machine()}, {machine['cpu_count']} processors"
     packages = _packages("packages") or Finding(
         "packages", OPTIONAL, "hmdwarp runs from a folder, not installed: its packages were not checked", "make setup"
     )
     python = Finding("Python", OK, about, facts=machine)
-    return [python, packages, _opengl(gl), _devices(devices), _openxr(openxr), _window(window), _codecs(), *extras]
+    return [python, packages, _opengl(gl), _devices(devices), _openxr(openxr), _window(window), *extras]
 
 
 def run_probe(question: str, seconds: float = PROBE_SECONDS) -> Facts:
@@ -106,8 +108,7 @@ def _packages(title: str, extra: str = "") -> Finding | None:
             absent.append(name)
     if absent:
         remedy = install_line(extra) if extra else f"pip install {' '.join(absent)}"
-        detail = f"not installed: {', '.join(absent)}{f' (for {EXTRAS[extra]})' if extra else ''}"
-        return Finding(title, OPTIONAL if extra else MISSING, detail, remedy, versions)
+        return Finding(title, OPTIONAL if extra else MISSING, f"not installed: {', '.join(absent)}", remedy, versions)
     named = ", ".join(f"{name} {version}" for name, version in versions.items())
     return Finding(title, OK, named if extra else f"hmdwarp {__version__}; {named}", facts=versions)
 
@@ -121,9 +122,8 @@ def _opengl(known: Facts) -> Finding:
     clocks = {"gpu": "GPU timer queries", "wall": "wall clock, as this driver's GPU timers are unusable"}
     detail = (
         f"{known['renderer']}, {known['version']} ({'software, on the CPU' if known['software'] else 'hardware'}); "
-        f"textures up to {known['max_texture_size']} px a side, work groups up to "
-        f"{known['max_work_group_invocations']}, storage blocks up to {known['max_storage_block_bytes'] // 2**20} MiB, "
-        f"64-bit atomics {'yes' if known['atomic_int64'] else 'no'}; timers: {clocks[known['clock']]}"
+        f"textures up to {known['max_texture_size']} px a side, 64-bit atomics "
+        f"{'yes' if known['atomic_int64'] else 'no'}; timers: {clocks[known['clock']]}"
     )
     return Finding("OpenGL", OK, detail, facts=known)
 
@@ -160,29 +160,6 @@ def _window(known: Facts) -> Finding:
     return Finding("desktop window", OK, f"OpenGL 4.3 window opens, screen {size}", facts=known)
 
 
-def _codecs() -> Finding:
-    """Try the encoders, which --video and --codec use."""
-    from ..link.codec import codecs
-
-    works, missing = [], []
-    for codec in (codec for codec in codecs if not codec.is_none):
-        try:
-            codec.check()
-            works.append(f"{codec.name} by {codec.encoder}")
-        except Exception as error:  # MachineError, and loader errors of av's libraries
-            missing.append(f"{codec.name} is missing ({type(error).__name__})")
-    remedy = f"{install_line('video')}, or where it is broken pip install --force-reinstall av"
-    return Finding("codecs", OPTIONAL if missing else OK, ", ".join([*works, *missing]), remedy if missing else "")
-
-
-GL_LIMITS = {
-    "max_texture_size": "GL_MAX_TEXTURE_SIZE",
-    "max_work_group_invocations": "GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS",
-    "max_work_group_size": "GL_MAX_COMPUTE_WORK_GROUP_SIZE",
-    "max_work_groups": "GL_MAX_COMPUTE_WORK_GROUP_COUNT",
-    "max_storage_block_bytes": "GL_MAX_SHADER_STORAGE_BLOCK_SIZE",
-    "max_storage_blocks": "GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS",
-}
 # Both are needed for a 64-bit depth test in one pass; there is a 32-bit path for everything.
 INT64_EXTENSIONS = {"GL_ARB_gpu_shader_int64", "GL_NV_shader_atomic_int64"}
 
@@ -197,7 +174,7 @@ def _probe_gl() -> None:
         with Gpu() as gpu:
             about = {"renderer": gpu.renderer, "version": gpu.version, "software": gpu.is_software}
             about |= {"clock": gpu.timer.clock, "atomic_int64": gpu.gl.extensions >= INT64_EXTENSIONS}
-            _report(about | {name: gpu.gl.info[key] for name, key in GL_LIMITS.items()})
+            _report(about | {"max_texture_size": gpu.gl.info["GL_MAX_TEXTURE_SIZE"]})
     except HmdwarpError as error:
         _report({"error": str(error)})
 
@@ -234,30 +211,17 @@ def _probe_openxr() -> None:
 
 def _probe_window() -> None:
     """Report whether a desktop window with OpenGL 4.3 opens; it stays hidden."""
-    import warnings
+    from ..display.desktop.window import hidden_window
+    from ..display.desktop.window_system import start
 
-    from ..display.desktop import choose_library
-
-    choose_library()
-    import glfw
-
-    warnings.simplefilter("ignore", glfw.GLFWError)
-    if not glfw.init():
-        _report({"error": _text(glfw.get_error()[1] or "no display")})
-        return
-    glfw.window_hint(glfw.VISIBLE, glfw.FALSE)
-    glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, 4)
-    glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)
-    glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
-    if not glfw.create_window(64, 64, "hmdwarp doctor", None, None):
-        _report({"error": _text(glfw.get_error()[1] or "no window")})
+    try:
+        glfw = start()
+        hidden_window(glfw, "hmdwarp doctor", (64, 64))
+    except HmdwarpError as error:
+        _report({"error": str(error).partition(";")[0]})
         return
     mode = glfw.get_video_mode(monitor) if (monitor := glfw.get_primary_monitor()) else None
     _report({"size": list(mode.size) if mode else None, "refresh_hz": mode.refresh_rate if mode else None})
-
-
-def _text(value: bytes | str) -> str:
-    return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
 
 
 if __name__ == "__main__":

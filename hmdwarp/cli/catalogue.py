@@ -355,7 +355,7 @@ COLOURS = {"ok": typer.colors.GREEN, "missing": typer.colors.RED, "optional": ty
 def doctor(said: Said) -> None:
     """Check what this machine has, what is missing, and how to get it.
 
-    OpenGL and its timers, displays, codecs, and each extra.
+    OpenGL and its timers, displays, and each extra.
     """
     from ._checks import MISSING, examine
 
@@ -369,7 +369,6 @@ def doctor(said: Said) -> None:
             typer.echo(f"{mark} {finding.name:<15} {finding.detail}")
             if finding.remedy:
                 typer.echo(f"{'':<25} -> {finding.remedy}")
-        cannot = "cannot run here: see the lines marked missing."
-        typer.echo(f"'hmdwarp replay' {'can run here.' if ready else cannot}")
+        typer.echo(f"'hmdwarp replay' {'can run here.' if ready else 'cannot run here: see the lines marked missing.'}")
     if not ready:
         raise typer.Exit(3)

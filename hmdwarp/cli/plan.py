@@ -9,50 +9,39 @@ import typer
 
 from .. import client, headsets, pipeline, scenes
 from ..errors import InputError, counted
-from ..options import AUTO, Option
+from ..options import AUTO
 from ..pipeline.options import PROXY, PipelineOptions
-from ..run import DESKTOP, OPENXR, LiveOptions
 from ._options import JSON, Said, as_json, takes
 from ._show import in_columns, paragraph
 from .catalogue import headset_facts
 
-REPLAY = "replay"
-_SOURCE = Option("Display to plan for: replay, or in a live run openxr or desktop.", default=REPLAY, name="source")
 
-
-@takes(PipelineOptions, _SOURCE, JSON)
+@takes(PipelineOptions, JSON)
 def plan(said: Said) -> None:
     """Print the passes that would run, with reasons, and the bytes of a frame. Runs nothing.
 
     With --proxy those of the proxy too. Says what makes the scene slow to draw, and what to do.
     """
-    from ..display.openxr import RUNTIME_LABEL
     from ..pipeline.sizes import build_plan_for, proxy_plan_for, rendered_text
     from ..pipeline.source import motion_notes
 
-    source = said["source"]
     own = headsets.load_headset(said["headset"]).lens
-    if source not in (REPLAY, OPENXR, DESKTOP):
-        raise InputError(f"--source '{source}': expected {REPLAY}, {OPENXR} or {DESKTOP}")
-    kind = PipelineOptions if source == REPLAY else LiveOptions
-    by_runtime = ("distorts", "takes_depth", "takes_panels") if source == OPENXR else ()
-    told: Any = dict.fromkeys(by_runtime, RUNTIME_LABEL)
     if said["lens"] is None:
-        said["lens"] = "none" if told or said["frames"] or own is None else own.model
-    options = kind.of(said)
+        said["lens"] = "none" if said["frames"] or own is None else own.model
+    options = PipelineOptions.of(said)
     if options.warp == AUTO:
         raise InputError("plan --warp auto: 'hmdwarp choose' with the same options names warp and fill; plan those")
     frames = pipeline.source_of(options)
     options = frames.fitted(options)
     scene, eyes = frames.scene, headset_facts(frames.headset)
     slow, noted = list(scenes.slow_in(scene)), [*frames.notes, *scene.notes]
-    built = build_plan_for(options, frames.headset, scene, **told)
+    built = build_plan_for(options, frames.headset, scene)
     proxy = proxy_plan_for(options, scene) if options.source_kind is PROXY else None
     frame = pipeline.frame_weight(options, frames.headset, [built])
     notes = motion_notes(options, scene, built)
     if said["json"]:
         names = ("scene", "indirect", "warp", "fill", "lens", "headset")
-        data = {"source": source, **{name: getattr(options, name) for name in names}, "eyes": eyes}
+        data: dict[str, Any] = {**{name: getattr(options, name) for name in names}, "eyes": eyes}
         data["passes"] = [attrs.asdict(step) for step in built.steps]
         data["left_out"] = [{"name": name, "reason": reason} for name, reason in built.left_out]
         data["frame"] = frame
@@ -73,9 +62,6 @@ def plan(said: Said) -> None:
     typer.echo(f"Eyes of {frames.headset.name}:")
     in_columns(((key.replace("_", " "), text) for key, text in eyes.items()), indent=2)
     rows = [("Light", options.light_note)] if options.light_note else []
-    if source == OPENXR:
-        of = f"those of '{options.headset}' were taken; and whether it takes depth at all"
-        rows.insert(0, ("Not known", f"the runtime's own eyes, size and rate: {of}"))
     in_columns([*rows, *(("Slow", line) for line in slow)])
     for note in noted:
         paragraph(f"note: {note}")

@@ -6,7 +6,7 @@ import sys
 import textwrap
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import typer
@@ -18,9 +18,6 @@ from ..study import design as designs
 from ..study.session.session_options import SessionOptions
 from ._options import JSON, QUIET, Group, Said, as_json, command_line, print_results, takes
 from ._signals import INTERRUPTED, Ended
-
-if TYPE_CHECKING:
-    pass
 
 app = typer.Typer(cls=Group, help="Rating studies: plan, run, export, analyse.", no_args_is_help=True)
 _STUDY = "The study's .toml file, or the name of a shipped study, such as thesis."

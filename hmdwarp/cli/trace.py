@@ -133,8 +133,10 @@ def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> dict[str, str]
             f"{len(figures.gaps)} longer than {loaded.track.max_gap_ns / 1e6:g} ms, the longest "
             f"{longest['length_s']:.3f} s from {longest['start_s']:.3f} s"
         )
+    taken = ", ".join(str(segment.number) for segment in loaded.segments if segment.taken)
     return {
         "trace": str(loaded.path),
+        "recordings": f"{len(loaded.segments)} in the file, of which {taken} is read; --json has all",
         "format": loaded.format,
         "origin": loaded.track.origin or "not stated in the file",
         "axes": loaded.axes,
@@ -163,25 +165,14 @@ def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Tabl
         for row in figures.errors
     ]
     yield report.terminal_table(heads, lines, title=title)
-    if (count := len(loaded.segments)) > 1:
-        lines = [
-            (str(s.number), f"{s.first_line}-{s.last_line}", str(s.rows), f"{s.duration_s:.3f}", "taken" * s.taken)
-            for s in loaded.segments[:20]
-        ]
-        more = [("...", "", "", "", f"{count - 20} more")] if count > 20 else []
-        heads = ("segment", "lines", "rows", "seconds", "")
-        yield report.terminal_table(heads, [*lines, *more], title="Recordings in the file")
     assumed = [(assumption.what, assumption.value, assumption.source) for assumption in loaded.assumptions]
     heads = ("fact", "taken as", "who says so")
     yield report.terminal_table(heads, assumed, words=3, title="What was assumed of the file")
 
 
 def _angles(errors: poses.PredictionErrors) -> str:
-    return f"{' / '.join(map(_angle, errors.percentiles))} ({errors.mean:.2f})"
-
-
-def _angle(degrees: float) -> str:
-    return f"{degrees:.2f}" if degrees < 10 else f"{degrees:.1f}"
+    texts = (f"{degrees:.2f}" if degrees < 10 else f"{degrees:.1f}" for degrees in errors.percentiles)
+    return f"{' / '.join(texts)} ({errors.mean:.2f})"
 
 
 def _tell_defects(loaded: poses.LoadedTrace, *, err: bool = False) -> None:

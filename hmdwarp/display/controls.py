@@ -66,7 +66,6 @@ CONTROLS: tuple[Control, ...] = (
     Control("grab", "B", "grab what is ahead, or let go", "hold", mouse="right", buttons=("squeeze",), needs="grab"),
     Control("recentre", "R", "head back to where it began", "action", of_display=True),
     Control("full_screen", "F11", "full screen", "switch", of_display=True),
-    Control("vsync", "Y", "wait for the screen's refresh", "switch", of_display=True),
     Control("panel", "P", "panel", "switch", of_display=True),
     Control("help", "H", "this help", "switch", of_display=True),
     Control("quit", "Escape", "close this help; let go of the mouse; end", "action", of_display=True),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from statistics import NormalDist
 from typing import TYPE_CHECKING, ClassVar, Self
@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import attrs
 
 from ..errors import InputError
-from ..options.documents import json_of
 from ..options.named_files import DELAYS, text_in
 from ..registry import Registry
 
@@ -171,14 +170,19 @@ class DelayTrace(DelayModel):
 
 
 def read_delays(path: Path) -> list[float]:
-    """Read the delays in ms of a text file with one number a line, or of a browser's session.jsonl.
+    """Read the delays in ms of a text file with one number a line.
 
     # starts a comment; the first line may be a heading.
-    Errors: InputError with file, line and value, and for several sessions.
+    Errors: InputError with file, line and value.
     """
-    text, delays = text_in(path, DELAYS), list[float]()
-    said = _of_session if text.startswith("{") else _of_numbers
-    for number, found in said(path, text.splitlines()):
+    delays, may_be_heading = list[float](), True
+    for number, line in enumerate(text_in(path, DELAYS).splitlines(), start=1):
+        if not (found := line.partition("#")[0].strip()):
+            continue
+        is_word = found[0].isalpha() and found.lower() not in ("nan", "inf", "infinity")
+        is_heading, may_be_heading = may_be_heading and is_word, False
+        if is_heading:
+            continue
         value = _milliseconds(found)
         if value is None:
             shown = found if len(found) <= 40 else found[:37] + "..."
@@ -191,32 +195,6 @@ def read_delays(path: Path) -> list[float]:
     if not delays:
         raise InputError(f"{path}: holds no delay; expected one number of milliseconds a line")
     return delays
-
-
-def _of_session(path: Path, lines: Iterable[str]) -> Iterator[tuple[int, str]]:
-    """Yield line and text of the delays that `hmdwarp serve --web` writes, of one session."""
-    sessions: dict[str, None] = {}
-    for number, line in enumerate(lines, start=1):
-        said = json_of(line, f"{path}: line {number}")
-        delays = said.get("delays_ms") if isinstance(said, dict) else None
-        if isinstance(delays, list):
-            sessions[str(said.get("session"))] = None
-            yield from ((number, str(delay)) for delay in delays)
-    if len(sessions) > 1:
-        some = ", ".join([*sessions][:8])
-        raise InputError(
-            f"{path}: delays of {len(sessions)} sessions ({some}): keep the lines of one, as grep does by its name"
-        )
-
-
-def _of_numbers(path: Path, lines: Iterable[str]) -> Iterator[tuple[int, str]]:
-    may_be_heading = True
-    for number, line in enumerate(lines, start=1):
-        if text := line.partition("#")[0].strip():
-            is_word = text[:1].isalpha() and text.lower() not in ("nan", "inf", "infinity")
-            if not (may_be_heading and is_word):
-                yield number, text
-            may_be_heading = False
 
 
 def _milliseconds(text: str) -> float | None:

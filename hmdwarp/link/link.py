@@ -101,11 +101,6 @@ class ResponseTime:
         ways = {"transfer_ms": transit.transfer_ns / 1e6, "round_trip_ms": transit.delay_ns / 1e6}
         return cls(queue_ms=queue_ms, **ways, **work_ms)
 
-    @property
-    def total_ms(self) -> float:
-        """The response time."""
-        return sum(self.parts().values())
-
     def parts(self) -> dict[str, float]:
         """Return each part by its name, in the order in which they happen."""
         return attrs.asdict(self)

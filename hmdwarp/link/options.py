@@ -151,10 +151,6 @@ class LinkOptions(Declared):
         """Whether every frame takes exactly the latency and arrives."""
         return attrs.evolve(self, seed=0, server_rate_hz=None, send=ALL) == LinkOptions()
 
-    def sends_hz(self, display_hz: float) -> float:
-        """Return the server's rate for this display."""
-        return self.server_rate_hz or display_hz
-
     def longest_ns(self, latency_ns: int) -> int:
         """Return a bound on the time from drawing to arrival.
 

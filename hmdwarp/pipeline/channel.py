@@ -115,7 +115,7 @@ class CodedFrame:
         """Return the bytes of what is counted, by layer."""
         out = Counter[str]()
         for key in self.counted:
-            out[key[1]] += self.packets[key].size_bytes
+            out[key[1]] += len(self.packets[key].data)
         return out
 
 

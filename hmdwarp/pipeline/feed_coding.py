@@ -413,7 +413,7 @@ def videos_for_browsers() -> dict[str, int]:
     found = {}
     for name in codec.VIDEOS:
         with suppress(MachineError):
-            codec.check_codec(name)
+            codec.codecs.get(name).check()
             found[name] = _WORK[0][_FORMATS[name]] + _WORK[1][message.DEPTH_VIDEO8]
     return found
 

@@ -18,7 +18,7 @@ from ..geometry import Eyes, Guard, Pose, View, guarded_eyes
 from ..gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..gpu.timers import Laps
 from ..link import LinkOptions
-from ..link.codec import check_codec
+from ..link.codec import codecs
 from ..metrics import middle_and_tail
 from ..options import AUTO
 from ..poses import PoseSample
@@ -258,8 +258,8 @@ def check_names(options: PipelineOptions) -> None:
     if options.lens != AUTO:
         lenses.get(options.lens)
     effects.forced(options.effects)
-    check_codec(options.coding.codec)
-    check_codec(options.proxy.codec)
+    codecs.get(options.coding.codec).check()
+    codecs.get(options.proxy.codec).check()
     options.client_link.delay.check(round(options.latency_ms * 1e6))
     if options.mirrors not in MIRRORS:
         raise unknown_name("kind of mirrors", options.mirrors, list(MIRRORS))

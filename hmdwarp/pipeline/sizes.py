@@ -97,7 +97,7 @@ def frames_held(options: PipelineOptions, rate_hz: float, needs: Needs) -> int:
     read.
     """
     link, latency_ms = options.client_link, options.latency_ms
-    sends_hz, kept = link.sends_hz(rate_hz), needs.others.past + needs.others.recent
+    sends_hz, kept = link.server_rate_hz or rate_hz, needs.others.past + needs.others.recent
     if link.is_plain:
         # Those sent since the refresh before, less the latency.
         return refreshes_of(latency_ms + 1e3 / rate_hz, sends_hz) + 1 + kept
@@ -110,7 +110,7 @@ def expected_age_ns(options: PipelineOptions, plain_ns: int, rate_hz: float) -> 
     plain_ns: the age over a link that only delays, of a frame drawn at a refresh.
     """
     link = options.client_link
-    stays_ns = max(0.0, 1e9 / link.sends_hz(rate_hz) - 1e9 / rate_hz)
+    stays_ns = max(0.0, 1e9 / (link.server_rate_hz or rate_hz) - 1e9 / rate_hz)
     newest_ns = plain_ns if link.is_plain else link.delay.typical_ns(latency_ns(options))
     return newest_ns + round(stays_ns / 2)
 

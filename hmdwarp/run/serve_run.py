@@ -22,7 +22,7 @@ from ..frames.layers import PICTURE, RENDERED, Delivered, EyeSizes, layers
 from ..geometry import Pose, View, guarded_eyes
 from ..gpu import Gpu, download
 from ..link import LinkOptions
-from ..link.codec import check_codec
+from ..link.codec import codecs
 from ..options import AUTO
 from ..pipeline import PipelineOptions
 from ..pipeline.channel import SEEN_PX, Changes
@@ -121,7 +121,7 @@ def _door(
 ) -> AbstractContextManager[object]:
     import_extra("aiohttp", "aiohttp", "web")
     if options.codec != AUTO:
-        check_codec(options.codec)
+        codecs.get(options.codec).check()
     scene, is_recorded = source.scene, isinstance(source, RecordingSource)
     start, names = scene.viewpoint, [*([AS_RECORDED] if is_recorded else []), *recording_names()]
     about: dict[str, Any] = {

@@ -19,7 +19,6 @@ from hmdwarp.geometry import GuardBand
 CHOICES = [spec for spec in every_choice() if spec != "forward:path=atomic64"]
 # Numbers that nobody's baseline is; words are among the choices.
 SETTINGS = [
-    "search:gap=0.5,tolerance=0.1",
     "iterative:slanted=3",
     "iterative:seed=rotation,steps=5",
     "iterative:steps=1,tolerance=0.1,converged=2",

@@ -157,7 +157,7 @@ def filled(
 def test_foreground_is_never_smeared(gpu, step):
     """Red is the rendered inverse depth, 1 of the square; of that no trace in holes."""
     colour, depth = square_before_a_wall(np.s_[22:38, 22:38])
-    before, after = filled(gpu, "search", "stretch", colour, depth, Pose(step))
+    before, after = filled(gpu, "splat", "stretch", colour, depth, Pose(step))
     guessed = (before[..., 3] == 0) & (after[..., 3] == 1)
     assert guessed.sum() > 60
     assert np.abs(after[guessed][:, 0] - 0.25).max() <= TWO_STORED

@@ -262,3 +262,14 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     # which is not closed.
     left = [thing for thing in costs.alive() if not (_draws(warp, fill) and isinstance(thing, moderngl.Framebuffer))]
     assert left == [], "close() frees everything"
+
+
+def test_a_runtime_corrects_the_lens_and_gets_the_depth():
+    def plan(lens: str):
+        return build_plan((), "iterative", "none", lens, client_geometry=False, distorts="R", takes_depth="R")
+
+    assert plan("none").hands_depth_on
+    assert ("lens", "R corrects the lens by itself") in plan("none").left_out
+    assert any("depth of what it shows for R" in f"{step.name} {step.reason}" for step in plan("none").steps)
+    with pytest.raises(PlanError, match="R corrects the lens by itself"):
+        plan("radial")

@@ -110,7 +110,6 @@ REFUSED = (
     (parse_warp, "none", "no setting of", "resample=catmull-rom"),
     (parse_warp, "environment", "no setting of", "resample=catmull-rom"),
     (parse_warp, "iterative", "resample is 'cubic': expected bilinear or catmull-rom", "resample=cubic"),
-    (parse_warp, "search", "search", "steps=0"),
     (parse_warp, "splat", "warp 'splat:", "reach=0 reach=1000 overlap=0.7"),
     (parse_fills, "composite", "expected", "samples=0 samples=257 radius=0 radius=3 normal=181"),
     (parse_fills, "interpolate", "size is '.*': expected 3 or 5 or 7", "size=0 size=1 size=2 size=4 size=9 size=3.0"),

@@ -7,8 +7,6 @@ import math
 import numpy as np
 import pytest
 from reference.gather import median_inverse_depth
-from reference.search import search
-from worlds import assert_equals_twin
 
 from hmdwarp.client import build_plan
 from hmdwarp.client.warp_kinds import GatherSettings
@@ -17,7 +15,7 @@ from hmdwarp.frames import EyeSizes, frame_bytes
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu import SCALAR, allocate
 
-from .rendered_pictures import FOV, asked, square_before_a_wall, warped
+from .rendered_pictures import FOV, square_before_a_wall, warped
 from .scatters import Scatter
 
 # --- homographies: behind the eye, through the plane, without a turn ------------------------------
@@ -158,23 +156,6 @@ def test_a_silhouette_moves_smoothly_where_surfaces_part_by_less_than_a_pixel(gp
 
     assert largest_step("iterative") < 1.5 * 0.024
     assert largest_step("iterative:sheet=0") > 0.2
-
-
-# --- search ---------------------------------------------------------------------------------------
-
-
-def test_a_large_motion_through_many_levels_equals_brute_force(gpu):
-    """Segments of up to a hundred pixels past a comb of posts. Blocks are skipped on all levels of
-    the pyramid."""
-    rng = np.random.default_rng(9)
-    depth = np.full((11, 301), 0.2)
-    depth[:, 40:280:37] = 1.0
-    depth[:, 60:280:71] = 0.6
-    colour = np.concatenate([rng.uniform(0, 1, (11, 301, 3)), np.ones((11, 301, 1))], axis=-1)
-    for pose in (Pose((0.6, 0.01, 0)), Pose((0.3, 0, -0.3), (0, 0.1, 0, 1))):
-        got, wanted = warped(gpu, "search", colour, depth, pose), search(asked(gpu, "search", colour, depth, pose))
-        # A long ray comes near many corners, and one row runs along a line between quarters.
-        assert_equals_twin(got, wanted, 0.6)
 
 
 # --- splat ----------------------------------------------------------------------------------------

@@ -339,15 +339,15 @@ def switches_by_itself(backend: Backend) -> None:
     with opened(backend) as display:
         refresh(display, 12)
         assert display.rate_hz == 60.0
-        settings = {"vsync": False, "full_screen": True, "help": True}
-        for name, value in (*settings.items(), ("full_screen", None), ("recentre", None), ("vsync", None)):
+        settings = {"full_screen": True, "help": True}
+        for name, value in (*settings.items(), ("full_screen", None), ("recentre", None)):
             display._input.commands.append(Command(name, value))
             assert not display.commands()
             refresh(display)
         display._input.commands.append(Command("warp"))
         assert [command.control for command in display.commands()] == ["warp"] and not display.commands()
         display.show_status(status := Status(values={"latency": 0.0}))
-        assert [status.values[name] for name in settings] == [True, False, True]
+        assert [status.values[name] for name in settings] == [False, True]
         before = display.eyes
         display.set_view("flat")
         assert display.headset is None

@@ -7,8 +7,7 @@ from __future__ import annotations
 import platform
 from pathlib import Path
 
-from hmdwarp.display.openxr import diagnose, manifest_text, missing_extensions
-from hmdwarp.display.openxr.diagnosis import LOST, STAGES, manifest
+from hmdwarp.display.openxr.diagnosis import LOST, STAGES, diagnose, manifest, manifest_text, missing_extensions
 
 ACTIVE = "active is runtime.json, library librt.so"
 DIFFERENT = [

@@ -79,7 +79,7 @@ FAILED_ONCE = [
 ]
 
 
-@pytest.mark.parametrize("name", ["iterative", "mesh", "mesh_adaptive", "mesh_adaptive:tolerance=0", "search"])
+@pytest.mark.parametrize("name", ["iterative", "mesh", "mesh_adaptive", "mesh_adaptive:tolerance=0"])
 def test_worlds_that_failed_once(gpu, name):
     for drawn in FAILED_ONCE:
         assert list(random_world(gpu, *drawn).pictures(name))

@@ -181,7 +181,6 @@ class Relight(Fill):
 
 OFFSETS = 4096  # random places to choose from; a power of two
 MOST_SAMPLES = 256
-LEAST_MOVE = 0.5  # pixels, as in shaders/fills/composite.comp
 
 
 @attrs.frozen

@@ -11,7 +11,7 @@ warps: DescribedRegistry[type[Warp]] = DescribedRegistry(
     __name__,
     modules={
         **dict.fromkeys(("none", "rotation", "planar", "similarity", "shift"), "gather"),
-        **dict.fromkeys(("environment", "backward", "search"), "gather"),
+        **dict.fromkeys(("environment", "backward"), "gather"),
         **dict.fromkeys(("mesh", "mesh_adaptive"), "mesh"),
         **dict.fromkeys(("layered", "multi"), "multi"),
         **dict.fromkeys(("forward", "forward_ordered", "forward_raster", "splat"), "forward"),

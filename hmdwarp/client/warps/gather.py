@@ -18,7 +18,7 @@ from ...frames.layers.pictures import FoveatedPicture
 from ...geometry import FoveaGrid, Pose, View, WarpMap, face_views, view_map
 from ...gpu import Compute
 from ...gpu.hidden import Grid
-from ...gpu.textures import Canvas, bind_images, tiles
+from ...gpu.textures import Canvas, bind_images
 from ...options import NoSettings
 from ..inputs import PassInputs
 from ..lens import bind_texels
@@ -405,58 +405,3 @@ class Backward(GatherWarp):
             read["rendered_inverse_depth"] = inputs.rendered.inverse_depth
             tested = depth_limits(self.settings, inputs.rendered)
         self.run_gather(self._program, inputs, into, **bind_images(read, first=1), **tested)
-
-
-LEVELS, FACTOR = 4, 4  # of the pyramid: blocks of 4, 16, 64 and 256 texels on each side; as in shaders/lib/pyramid.glsl
-BOUND_BYTES = 8
-NEAREST = 2.0**11  # 1/m; the search ends half a millimetre before the eye
-
-
-@attrs.frozen
-class SearchSettings(GatherSettings):
-    """How far rays run, and which neighbours are one surface: see depth_limits."""
-
-    steps: int = limited(512, 1, 65536)  # Cells that a ray may pass before it ends in a hole.
-    # Pixels by which a ray may miss the end of a surface and still meet it, so that steep surfaces
-    # stay connected.
-    gap: float = limited(0.05)
-    tolerance: float = limited(DEPTH_TOLERANCE)
-    floor: float = limited(DEPTH_FLOOR)  # 1/m
-
-
-@warps.register
-class Search(GatherWarp):
-    """A gather to the first hit along the epipolar segment, which skips by a pyramid of bounds.
-
-    Rays that hit nothing are holes.
-    """
-
-    name = "search"
-    reads = ("rendered.colour", "rendered.inverse_depth")
-    Settings = SearchSettings
-    rows = 4
-
-    def prepare(self) -> None:
-        self._program = self.gather("warps/search.comp")
-        self._build = tuple(self.gpu.shaders.compute("warps/search_pyramid.comp", FROM_DEPTH=k) for k in (1, 0))
-        self._sizes = [self.rendered_size]
-        for _ in range(LEVELS):
-            self._sizes.append(tiles(self._sizes[-1], FACTOR))
-        counts = [w * h for w, h in self._sizes[1:]]
-        self._first = tuple(sum(counts[:k]) for k in range(LEVELS))
-        self._bounds = self.own(self.gpu.gl.buffer(reserve=BOUND_BYTES * sum(counts)))
-
-    def run(self, inputs: PassInputs, into: Canvas) -> None:
-        inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
-        self._bounds.bind_to_storage_buffer(0)
-        levels = {"level_first": self._first, "level_width": tuple(w for w, _ in self._sizes[1:])}
-        for level in range(1, LEVELS + 1):
-            program, (below, blocks) = self._build[min(level, 2) - 1], self._sizes[level - 1 : level + 1]
-            own = {"rendered_inverse_depth": 1, "rendered_size": self.rendered_size} if level == 1 else {}
-            program.uniforms.set(level=level, blocks=blocks, below=below, **levels, **own)
-            program.run(*blocks)
-            self.gpu.barrier()
-        rays = {"gap": self.settings.gap, "steps": self.settings.steps, "nearest": NEAREST}
-        surface = {"rendered_inverse_depth": 1, **last_centre(self.rendered_size)}
-        surface |= depth_limits(self.settings, inputs.rendered)
-        self.run_gather(self._program, inputs, into, **rays, **surface, **levels)

@@ -128,7 +128,7 @@ class MeshWarp(Warp):
         if blocks < VERTEX_BLOCKS or bindings < BINDINGS:
             raise MachineError(
                 f"vertex shaders of this GPU read {blocks} buffers, and {bindings} can be bound: '{self.name}' wants "
-                f"{VERTEX_BLOCKS} and {BINDINGS}; use warp 'splat' or 'search'"
+                f"{VERTEX_BLOCKS} and {BINDINGS}; use warp 'splat'"
             )
         if max(wide, high) > MOST_SIDE:
             most = f"'{self.name}' takes at most {MOST_SIDE} pixels a side"

@@ -64,16 +64,15 @@ class DesktopDisplay(WindowView):
         lacks_panel = has_panel and not self._input.open_panel()
         self._say("\n".join([*keys.first_words(options.trace is None), *([NO_PANEL] if lacks_panel else [])]))
         closers.callback(self._input.close)
-        self.about = {"screen": self._window.screen_text(), "renderer": self.gpu.renderer, **options.about_trace()}
+        self.about = {"display": "window", "renderer": self.gpu.renderer, **options.about_trace()}
 
     def _say(self, text: str) -> None:
         self._remark, self._until_ns = text, self.now_ns() + REMARK_NS
 
     def _states(self) -> dict[str, object]:
         """Return what each switch of the window itself is."""
-        panel, window = self._input.panel, self._window
-        on = {"panel": panel is not None and panel.on, "help": self._input.help}
-        return {"full_screen": window.fills_screen, "vsync": window.vsync, **on}
+        panel = self._input.panel is not None and self._input.panel.on
+        return {"full_screen": self._window.fills_screen, "panel": panel, "help": self._input.help}
 
     def _obey(self, name: str, value: object) -> None:
         """Do what a control of the window itself requests; None is for the other state."""
@@ -83,9 +82,6 @@ class DesktopDisplay(WindowView):
         elif name == "full_screen":
             window.fill_screen(on)
             self._pacer.pause()
-        elif name == "vsync":
-            window.wait_for_screen(on)
-            self._pacer.set(window.rate_hz, on)
         elif name == "help":
             self._input.help = on
         elif name == "quit":
@@ -129,9 +125,8 @@ class DesktopDisplay(WindowView):
 
     def show(self, refresh: Refresh | None, label: Label = "") -> int:
         size, panel = self._window.framebuffer_size, self._input.panel
-        column = (
-            panel.column if panel is not None else 0
-        )  # the panel covers pictures that it would leave less than half
+        # The panel covers pictures that it would leave less than half.
+        column = panel.column if panel is not None else 0
         self._draw(refresh, (size[0] - column, size[1]) if 2 * column <= size[0] else size, label)
         self._input.takes_text = not isinstance(label, str) and label.takes_text
         self._input.point(self._uv_at if not isinstance(label, str) and label.pointed else None)
@@ -153,9 +148,8 @@ class DesktopDisplay(WindowView):
         # A remark is hidden beside a text panel.
         remark = self._remark if self.now_ns() < self._until_ns else ""
         notice = presenter.notice("\n".join(filter(None, (label, remark))) if isinstance(label, str) else label)
-        self._input.help = self._input.help and not help_closes(
-            self._keys.controls, has_text_panel=not isinstance(label, str)
-        )
+        if help_closes(self._keys.controls, has_text_panel=not isinstance(label, str)):
+            self._input.help = False
         # The help covers the first eye alone: the other one shows the effect of the keys.
         notices = (presenter.notice(self._keys.help_text()) if self._input.help else notice, notice)
         pictures = (None,) * self.count if refresh is None else tuple(eye.panel for eye in refresh.eyes)

@@ -52,7 +52,7 @@ class Window:
         vsync: bool = True,
     ) -> None:  # fmt: skip
         self._glfw, self._title = glfw, title
-        self.handle = _create(glfw, title, _units(glfw, wanted, column))
+        self.handle = hidden_window(glfw, title, _units(glfw, wanted, column))
         self._closed = False
         self._place: tuple[int, int, int, int] | None = None  # its place before it filled the screen
         if full_screen:
@@ -68,7 +68,8 @@ class Window:
         # moderngl's annotation omits context objects, its manual does not
         context: Any = WindowContext(glfw, self.handle)
         context.__enter__()  # current from now on
-        self.wait_for_screen(vsync)
+        self.vsync = vsync  # whether swaps wait for the screen
+        glfw.swap_interval(1 if vsync else 0)
         try:
             self.gl = moderngl.create_context(require=WANTED, context=context)
         except Exception as error:  # moderngl raises bare Exception and ValueError
@@ -88,16 +89,6 @@ class Window:
         """Refresh rate of its screen; 60 where unknown (virtual screens)."""
         _, mode = self._screen()
         return float(mode.refresh_rate) if mode is not None and mode.refresh_rate > 0 else UNKNOWN_HZ
-
-    def screen_text(self) -> str:
-        """Return name, size and rate of its screen."""
-        screen, mode = self._screen()
-        if mode is None:
-            return "none"
-        name = self._glfw.get_monitor_name(screen)
-        name = name.decode(errors="replace") if isinstance(name, bytes) else str(name)
-        rate = f" at {mode.refresh_rate} Hz" if mode.refresh_rate > 0 else ""
-        return f"{name}, {mode.size.width}x{mode.size.height}{rate}"
 
     def _screen(self) -> tuple[ScreenHandle | None, VideoMode | None]:
         """Return the screen that it fills, or that most of it lies on, and its size and rate."""
@@ -149,11 +140,6 @@ class Window:
         elif not on and self.fills_screen:
             glfw.set_window_monitor(self.handle, None, *(self._place or (0, 0, *FALLBACK_ROOM)), 0)
 
-    def wait_for_screen(self, on: bool) -> None:
-        """Set whether swaps wait for the screen. The context must be current."""
-        self.vsync = on
-        self._glfw.swap_interval(1 if on else 0)
-
     def title(self, text: str) -> None:
         if text != self._title:
             self._title = text
@@ -195,8 +181,8 @@ def _units(glfw: ModuleType, wanted: Size, column: int) -> Size:
     return max(1, round(width / unit)), max(1, round(height / unit))
 
 
-def _create(glfw: ModuleType, title: str, size: Size) -> WindowHandle:
-    """Make a hidden window."""
+def hidden_window(glfw: ModuleType, title: str, size: Size) -> WindowHandle:
+    """Return a new window that is not shown. Errors: as Window."""
     glfw.default_window_hints()
     for hint, value in {
         glfw.VISIBLE: glfw.FALSE,

@@ -114,7 +114,6 @@ class Actions:
             control = self._controls.get(button)
             if control is not None:
                 self._commands.append(Command(control.name, control.value))
-
         for name, hand in self._acts:
             if name in self._controls:
                 self._act(self._controls[name], (name, hand), shown)

@@ -23,7 +23,6 @@ A_RUNTIME = (
 A_HEADSET = "connect the headset, switch it on and wake it"
 RESTART = "start, or restart, the runtime's service"
 ANOTHER = "use a runtime that has it (Monado has)"
-UPDATE = "update the headset's runtime"
 
 GRAPHICS_EXTENSIONS = (OPENGL_EXTENSION, EGL_EXTENSION) = ("XR_KHR_opengl_enable", "XR_MNDX_egl_enable")
 CLOCK_EXTENSION = (
@@ -43,7 +42,6 @@ LOST = ("InstanceLostError", "SessionLostError", "SessionLossPending", "RuntimeF
 
 _NO_RUNTIME = ("no OpenXR runtime: {active}", A_RUNTIME)
 _NO_HEADSET = ("{name} sees no headset ({error})", A_HEADSET)
-_NO_EXTENSION = ("{name} lacks an extension that was asked for ({why})", ANOTHER)
 _ON_ITS_GPU = "draw on the GPU that the headset is plugged into"
 _NO_GRAPHICS = ("{name} refuses this OpenGL context ({error}: {why})", _ON_ITS_GPU)
 _KNOWN = {
@@ -52,14 +50,7 @@ _KNOWN = {
     "FileContentsInvalidError": _NO_RUNTIME,
     "FormFactorUnavailableError": _NO_HEADSET,
     "FormFactorUnsupportedError": _NO_HEADSET,
-    "ExtensionNotPresentError": _NO_EXTENSION,
-    "ExtensionDependencyNotEnabledError": _NO_EXTENSION,
     "GraphicsDeviceInvalidError": _NO_GRAPHICS,
-    "ApiVersionUnsupportedError": ("{name} does not know OpenXR 1.0", UPDATE),
-    "LimitReachedError": (
-        "{name} has no room for another program ({error})",
-        "end the other program that uses the headset",
-    ),
 }
 
 
@@ -96,12 +87,9 @@ def missing_extensions(name: str, extensions: list[str]) -> tuple[str, str]:
 
 
 def manifest(environ: Mapping[str, str]) -> Path | None:
-    """Return the runtime manifest that the OpenXR loader would choose.
+    """Return the runtime manifest that the OpenXR loader would choose; the file may not exist.
 
-    None where it finds none.
-
-    The file may not exist.
-    Source: OpenXR loader design, "Runtime discovery" on Linux.
+    None where it finds none. Source: OpenXR loader design, "Runtime discovery" on Linux.
     """
     if environ.get("XR_RUNTIME_JSON"):
         return Path(environ["XR_RUNTIME_JSON"])

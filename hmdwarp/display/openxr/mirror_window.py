@@ -19,7 +19,7 @@ PERIOD_NS = 30_000_000  # the headset has priority; every second or third pictur
 # Its keys can quit. A runtime recentres the head and corrects the lens itself, and has only one
 # view.
 QUIT = "quit"
-ELSEWHERE = ("recentre", "vsync", "panel", "lens", "view")
+ELSEWHERE = ("recentre", "panel", "lens", "view")
 
 
 class Mirror:

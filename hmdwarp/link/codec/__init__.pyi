@@ -1,5 +1,4 @@
 from .codecs import Codec as Codec
-from .codecs import check_codec as check_codec
 from .codecs import codecs as codecs
 from .coding import AS_VIDEO as AS_VIDEO
 from .coding import AS_VIDEO8 as AS_VIDEO8

@@ -41,11 +41,6 @@ class Packet:
     key: bool
     data: bytes = attrs.field(repr=lambda data: f"<{len(data)} bytes>")
 
-    @property
-    def size_bytes(self) -> int:
-        """The size of all of it."""
-        return len(self.data)
-
 
 _CHECKED_FROM = 4  # what comes before is the checksum
 

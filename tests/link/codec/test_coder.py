@@ -14,7 +14,7 @@ import pytest
 
 from hmdwarp.colour import linear_from_srgb, picture_from_linear, srgb_from_linear
 from hmdwarp.errors import InputError, MachineError, UnknownNameError
-from hmdwarp.link.codec import Codec, Coding, Decoder, Encoder, Undecodable, check_codec, codecs
+from hmdwarp.link.codec import Codec, Coding, Decoder, Encoder, Undecodable, codecs
 
 pytest.importorskip("av")
 VIDEO = [codec.name for codec in codecs if not codec.is_none]
@@ -23,7 +23,8 @@ VIDEO = [codec.name for codec in codecs if not codec.is_none]
 @pytest.fixture(params=VIDEO)
 def codec(request):
     try:
-        return check_codec(request.param)
+        codecs.get(request.param).check()
+        return codecs.get(request.param)
     except MachineError as error:
         pytest.skip(str(error))
 
@@ -146,7 +147,7 @@ def test_the_scale_of_bright_light_falls_with_a_key_frame_only(codec):
     encoder, decoder = Encoder(codec.name, (160, 120), 60, keeps_beyond_1=True), Decoder(codec.name, (160, 120))
     bright = frames()[0].copy()
     bright[50:60, 50:60, :3] = 8
-    sizes = [encoder.encode(picture).size_bytes for picture in (bright, frames()[0], frames()[0])]
+    sizes = [len(encoder.encode(picture).data) for picture in (bright, frames()[0], frames()[0])]
     after, plain = encoder.encode(frames()[0], key=True), Encoder(codec.name, (160, 120), 60).encode(frames()[0])
     quality = [psnr(decoder.decode(packet), frames()[0]) for packet in (after, plain)]
     assert quality[0] == pytest.approx(quality[1], abs=0.2)
@@ -255,12 +256,12 @@ def test_damage_is_undecodable_until_the_next_key_frame_and_nothing_is_printed(c
 def test_bytes_are_those_of_the_settings(codec):
     """A rate is kept by noise, after the first pictures within a quarter; the same twice."""
     rng, encoder = np.random.default_rng(2), Encoder(codec.name, (160, 120), 60, bitrate_mbit=1.0)
-    sizes = [encoder.encode(opaque(rng.integers(0, 256, (120, 160, 3), np.uint8))).size_bytes for _ in range(30)]
+    sizes = [len(encoder.encode(opaque(rng.integers(0, 256, (120, 160, 3), np.uint8))).data) for _ in range(30)]
     assert np.mean(sizes[10:]) * 8 * 60 == pytest.approx(1e6, rel=0.25)
     twice = Encoder(codec.name, (160, 120), 60), Encoder(codec.name, (160, 120), 60)
     assert all(twice[0].encode(picture) == twice[1].encode(picture) for picture in frames()[:5])
     coarse, fine = (Encoder(codec.name, (160, 120), 60, crf=crf).encode(frames()[0]) for crf in (40, 10))
-    assert coarse.size_bytes * 2 < fine.size_bytes
+    assert len(coarse.data) * 2 < len(fine.data)
     plain, bright = (Encoder(codec.name, (160, 120), 60, keeps_beyond_1=keeps).encode(frames()[1]) for keeps in (0, 1))
     assert plain == bright, "nothing in it is brighter than 1"
 
@@ -274,7 +275,7 @@ REFUSED = [
     (lambda: Coding("h264", bitrate_mbit=0), InputError, "bitrate 0 Mbit/s"),
     (lambda: Coding("h264", bitrate_mbit=float("nan")), InputError, "bitrate nan"),
     (lambda: Coding("h264", crf=20, bitrate_mbit=5), InputError, "not both"),
-    (lambda: check_codec("h265"), UnknownNameError, "did you mean 'h264'"),
+    (lambda: codecs.get("h265").check(), UnknownNameError, "did you mean 'h264'"),
     # As it is for a PyAV built without it: FFmpeg does not know the name.
     (lambda: Codec("h264", "", "libx999", "h264", crf=20).check(), MachineError, LACKS.format("encoder 'libx999'")),
     (lambda: Codec("h264", "", "libx264", "h999", crf=20).check(), MachineError, LACKS.format("decoder 'h999'")),

@@ -62,15 +62,4 @@ codecs: Registry[Codec] = Registry(
     "codec", __name__, of_table=lambda name, table: Codec(name, **table), columns="encoder"
 )
 
-
-def check_codec(name: str) -> Codec:
-    """Return the codec if it runs here.
-
-    Errors: InputError for an unknown name, MachineError if this PyAV lacks it.
-    """
-    codec = codecs.get(name)
-    codec.check()
-    return codec
-
-
-__all__ = ["codecs", "Codec", "check_codec", "require"]
+__all__ = ["codecs", "Codec", "require"]
