@@ -38,7 +38,7 @@ def replay(said: Said) -> None:
     def as_text() -> None:
         console().print(report.summary_table(result.summary, *result.against))
         lines = [f"axes of {trace}: {axes}" for trace, axes in report.axes_of_traces([result.summary]).items()]
-        lines += [*report.transit_lines(result.summary), *(f"note: {note}" for note in result.summary["notes"])]
+        lines += [*(f"note: {note}" for note in result.summary["notes"])]
         typer.echo("\n".join(lines))
 
     print_results(said, result.summary, as_text, result.report)

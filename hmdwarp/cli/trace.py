@@ -26,24 +26,19 @@ _TRACE = Option(
     required=True, name="trace", metavar="TRACE", positional=True, names_files=True,
 )  # fmt: skip
 _OUT = Option("The file to write.", Path, required=True, name="out", metavar="OUT", positional=True)
-_PLOT = Option("Draw the motion into this PNG: way from above, angles, speeds, view sphere.", Path, name="plot")
 _TO = Option("Format to write: native, tum, euroc or mcap.", default="native", name="to")
 
 
 @app.command()
-@takes(_TRACE, TraceOptions, _PLOT, FORCE, JSON)
+@takes(_TRACE, TraceOptions, JSON)
 def info(said: Said) -> None:
     """Show rate, duration, gaps, speeds, what latency costs, and every defect with its repair."""
     from rich.console import Console
 
     from ._show import in_columns
 
-    if said["plot"] is not None:
-        report.refuse_existing(said["plot"], force=said["force"])
     loaded = poses.load_trace(said["trace"], TraceOptions.of(said))
     figures = poses.analyse(loaded.track)
-    if said["plot"] is not None:
-        report.write_bytes(said["plot"], report.trace_plot_png(loaded.track, loaded.axes))
     if said["json"]:
         typer.echo(as_json(poses.trace_as_json(loaded, figures)))
         return

@@ -447,8 +447,8 @@ def guard_band(options: Any) -> geometry.GuardBand:
     return geometry.GuardBand.of(options.guard)
 
 
-PAPER_TABLES, PLOTS = {"latex": "tex", "csv": "csv", "markdown": "md"}, ("svg", "pdf")
-PAPER = ("paper/*.tex", "paper/*.csv", "paper/*.md", "paper/*.svg", "paper/*.pdf")
+PAPER_TABLES, PLOTS = {"latex": "tex", "markdown": "md"}, ("svg", "pdf")
+PAPER = ("paper/*.tex", "paper/*.md", "paper/*.svg", "paper/*.pdf")
 
 
 def _kinds(known: Sequence[str], flag: str) -> Any:

@@ -53,11 +53,6 @@ def levels_from(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
     without a time or a FLIP are ignored.
     Errors: InputError if no combination was measured, or no case is common to all.
     """
-    return _levels_and_cases(rows)[0]
-
-
-def _levels_and_cases(rows: Iterable[Row]) -> tuple[tuple[QualityLevel, ...], set[tuple[Any, ...]]]:
-    """Return levels_from the rows, and the cases that their means are taken over."""
     measured = []
     for row in rows:
         total, error = row["time_ms"]["total"]["median"], row["quality"]["flip"]["mean"]
@@ -87,7 +82,7 @@ def _levels_and_cases(rows: Iterable[Row]) -> tuple[tuple[QualityLevel, ...], se
     for (warp, fill), cases in combined.items():
         times, errors, psnr = zip(*(figures for case in shared for figures in cases[case]), strict=True)
         levels.append(QualityLevel(warp, fill, _mean(times), _mean(errors), None if None in psnr else _mean(psnr)))
-    return front(levels), shared
+    return front(levels)
 
 
 def _pixels(row: Row) -> int:
@@ -101,31 +96,6 @@ def _host(row: Row) -> Any:
 def _mean(values: tuple[float, ...]) -> float:
     # fsum: the mean must not depend on the order of the rows.
     return math.fsum(values) / len(values)
-
-
-def choose(rows: Iterable[Row], budget_ms: float) -> dict[str, Any]:
-    """Return the `choice` entry of bench.json: the most accurate combination within the budget.
-
-    Includes the next level up. budget_ms: per eye. sizes, cases: the size (several only if they
-    have as many pixels) and the number of cases that the means are taken over.
-    Errors: as levels_from; InputError for a budget that is not positive, or in which nothing fits.
-    """
-    levels, shared = _levels_and_cases(rows)
-    at = best_within(levels, budget_ms)
-    entry, *following = (
-        {"warp": one.warp, "fill": one.fill, "total_ms": one.total_ms, "flip": one.error, "psnr_db": one.psnr_db}
-        for one in levels[at : at + 2]
-    )
-    # 'iterative:seed=forward,steps=3' has {'seed': 'forward', 'steps': '3'}.
-    settings = levels[at].warp.partition(":")[2].split(",")
-    return {
-        "budget_ms": float(budget_ms),
-        **entry,
-        "settings": dict(part.split("=", 1) for part in settings if "=" in part),
-        "sizes": sorted({case[_CASE.index("size")] for case in shared}),
-        "cases": len(shared),
-        "next": following[0] if following else None,
-    }
 
 
 def best_within(levels: tuple[QualityLevel, ...], budget_ms: float | None, name: str = "--budget") -> int:

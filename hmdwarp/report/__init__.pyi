@@ -27,6 +27,7 @@ from .files import write_json as write_json
 from .files import write_png as write_png
 from .files import write_stream as write_stream
 from .files import write_text as write_text
+from .headset_plot import headset_plot_png as headset_plot_png
 from .output import FRAME_COLUMNS as FRAME_COLUMNS
 from .output import POSE_PARTS as POSE_PARTS
 from .output import SCHEMA as SCHEMA
@@ -57,7 +58,6 @@ from .run_diff import digests as digests
 from .run_diff import is_same as is_same
 from .run_texts import ALPHA as ALPHA
 from .run_texts import axes_of_traces as axes_of_traces
-from .run_texts import budget_rows as budget_rows
 from .run_texts import coding_rows as coding_rows
 from .run_texts import counted as counted
 from .run_texts import figure_of as figure_of
@@ -73,12 +73,9 @@ from .run_texts import plain as plain
 from .run_texts import response_rows as response_rows
 from .run_texts import signed as signed
 from .run_texts import terminal_table as terminal_table
-from .run_texts import transit_lines as transit_lines
 from .study import best_first as best_first
 from .study import csv_tables as csv_tables
 from .study import study_lines as study_lines
 from .study import study_page as study_page
 from .thesis_page import render_thesis_page as render_thesis_page
-from .trace_plot import headset_plot_png as headset_plot_png
-from .trace_plot import trace_plot_png as trace_plot_png
-from .video import VideoWriter as VideoWriter
+from .video import open_video as open_video

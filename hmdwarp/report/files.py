@@ -291,8 +291,8 @@ def in_a_row(columns: Sequence[Sequence[Panel]]) -> list[Panel]:
     return [*columns[0], *(column[0] for column in columns[1:]), columns[1][1]]
 
 
-def labelled_strip(panels: Sequence[Panel], *, columns: int | None = None) -> Pixels:
-    """Lay panels side by side (or in rows of `columns`), each with its label above, on white.
+def labelled_strip(panels: Sequence[Panel]) -> Pixels:
+    """Lay panels side by side, each with its label above, on white.
 
     Panels may differ in size: smaller ones are enlarged by repeating pixels, or shrunk, to the
     first one's height.
@@ -308,18 +308,15 @@ def labelled_strip(panels: Sequence[Panel], *, columns: int | None = None) -> Pi
         how = Image.Resampling.NEAREST if image.height < height else Image.Resampling.LANCZOS
         size = max(1, round(image.width * height / image.height)), height
         images.append(image if image.height == height else image.resize(size, how))
-    columns = columns or len(panels)
     cell = max(image.width for image in images) + _GAP
-    text = max(11, round(height / 24), round(columns * cell / 80))  # 10 pixels where the strip is shown 800 wide
+    text = max(11, round(height / 24), round(len(panels) * cell / 80))  # 10 pixels where the strip is shown 800 wide
     font = ImageFont.load_default(text)
     label = round(text * 1.6)
-    rows = -(-len(panels) // columns)
-    strip = Image.new("RGB", (columns * cell - _GAP, rows * (label + height + _GAP) - _GAP), _PAPER)
+    strip = Image.new("RGB", (len(panels) * cell - _GAP, label + height), _PAPER)
     draw = ImageDraw.Draw(strip)
     for index, ((name, _), image) in enumerate(zip(panels, images, strict=True)):
-        x, y = index % columns * cell, index // columns * (label + height + _GAP)
-        draw.text((x + 2, y + label / 2), name, fill=_INK, font=font, anchor="lm")
-        strip.paste(image, (x, y + label))
+        draw.text((index * cell + 2, label / 2), name, fill=_INK, font=font, anchor="lm")
+        strip.paste(image, (index * cell, label))
     return np.asarray(strip)
 
 

@@ -39,7 +39,6 @@ class OutputFolder:
 
         with OutputFolder(path, owned=("images/*-left.png", "images/*-right.png")) as out:
             out.write_json("summary.json", summary)
-            video = VideoWriter(out.path("replay.mp4"), ...)
 
     Making one checks at once, before a long run, that the folder can be made and written. Files go
     to a hidden folder inside it and get their names when the block ends without an error; otherwise

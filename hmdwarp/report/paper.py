@@ -1,9 +1,7 @@
-"""The tables and charts of a page as files for a paper: LaTeX, CSV, Markdown; SVG, PDF and PNG."""
+"""The tables and charts of a page as files for a paper: LaTeX, Markdown; SVG, PDF and PNG."""
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -13,7 +11,6 @@ from typing import Any
 from ..options import PAPER_TABLES, PaperOptions
 from ..resources import __version__
 from .charts import Drawn, paper_bytes
-from .files import inert_text
 from .output import OutputFolder
 from .page import Chart, Page
 from .run_texts import Cell, Table
@@ -43,9 +40,9 @@ def write_paper(out: OutputFolder, page: Page, options: PaperOptions) -> None:
             if isinstance(block, Table):
                 about = ": ".join(filter(None, (section.heading, block.caption or block.label)))
                 about += _MARKS if block.has_marks else ""
-                texts = {"latex": _latex(block, about, Path(name).name, made), "csv": _csv(block)}
                 for kind in options.tables:
-                    out.write_text(f"{name}.{PAPER_TABLES[kind]}", texts.get(kind) or block.markdown())
+                    text = block.markdown() if kind == "markdown" else _latex(block, about, Path(name).name, made)
+                    out.write_text(f"{name}.{PAPER_TABLES[kind]}", text)
                 continue
             for measure, drawn, words in block.versions:
                 assert isinstance(drawn, Drawn)
@@ -119,16 +116,3 @@ def _float(kind: str, spans: bool, about: str, name: str, content: str) -> str:
 
 def _escaped(text: str) -> str:
     return "".join(_LATEX.get(letter, letter) for letter in text)
-
-
-def _csv(table: Table) -> str:
-    """Return the table as CSV: groups are a column of their own, what was not measured is empty."""
-    grouped = any(line.group for line in table.lines)
-    text, group = io.StringIO(), ""
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*(["group"] if grouped else []), *_heads(table)])
-    for line in table.lines:
-        group = line.group or group
-        cells = ["" if cell.text == "–" else inert_text(cell.text) for cell in line.cells]
-        writer.writerow([*([inert_text(group)] if grouped else []), *cells])
-    return text.getvalue()

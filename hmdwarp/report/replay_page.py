@@ -332,8 +332,8 @@ def _live_tiles(summary: Summary) -> list[page.Tile]:
     live, holes, total = summary["live"], metrics.get("hole_share"), summary["time_ms"]["total"]
     share, time = holes.figure.text(summary["quality"][holes.name]["mean"]), run_texts.TIME_FIGURES[-1]
     handed, waits = "from reading the head to submitting the picture", run_texts.waited_text(live)
-    missed, longest = run_texts.miss_texts(summary["miss"])
-    miss = page.Tile("Missed refreshes", "%", missed, f"at most {longest} in a row")
+    share_missed, longest = (summary["miss"][key] for key in ("stale_share", "longest_stale"))
+    miss = page.Tile("Missed refreshes", "%", f"{100 * share_missed:.1f}", f"at most {longest} in a row")
     return [
         tile("Frame age at display", _MS, live["age_ms"], "from drawing to showing"),
         tile("Pose age at frame submission", _SHORT_MS, live["pose_age_ms"], handed),
@@ -360,10 +360,11 @@ def live_lines(summary: Summary, folder: Path | None) -> list[str]:
 
 def _refresh(summary: Summary) -> page.Section:
     live = summary["live"]
-    lines, rows = [], run_texts.budget_rows(summary)
-    longest = max([1.0, *(share for *_, share in rows)])
-    for part, median, tail, share in rows:
-        bar = Markup('<i style="width: {:.1f}%"></i>').format(100 * share / longest)
+    lines, shares = [], {name: (one["median"] or 0.0) / live["budget_ms"] for name, one in live["refresh_ms"].items()}
+    for name, share in shares.items():
+        part = f"{run_texts.drawing_text(summary)} by the server" if name == "render" else name
+        median, tail = (_SHORT_MS.text(live["refresh_ms"][name][key]) for key in ("median", "p95"))
+        bar = Markup('<i style="width: {:.1f}%"></i>').format(100 * share / max(1.0, *shares.values()))
         cells = (Cell(part), Cell(median), Cell(tail, "tail"), Cell(f"{share:.0%}"), Cell(bar, "meter"))
         lines.append(Line(cells))
     budget = f"{live['budget_ms']:.2f}"

@@ -219,13 +219,6 @@ _BY_NAME = {figure.name: figure for figure in (*QUALITY_FIGURES, JOD)}
 _BY_NAME |= {f"{figure.name}_ms": figure for figure in TIME_FIGURES}
 _BY_NAME |= {name: Figure(name, name, "%", 2, 100) for name in _SHARES}
 _BY_NAME |= {name: Figure(name, name, "Mbit/s", 2, higher_is_better=False) for name in _RATES}
-# Of the `miss` of a live summary.
-_MISS = (
-    Figure("stale_share", "Missed refreshes", "%", 1, 100.0),
-    Figure("longest_stale", "Most missed in a row", "", 0),
-)
-_MS = Figure("", "", "ms", 2)
-_TROUBLE = ("skipped", "unchanged", "dropped", "lost", "late", "superseded", "undecodable")
 
 
 def figure_of(key: str) -> Figure:
@@ -256,11 +249,6 @@ def eyes_text(summary: Summary) -> str:
 def drawing_text(summary: Summary) -> str:
     """Return what the server does before it sends a frame."""
     return "drawing" if "recorded" not in summary else "reading the recorded frame"
-
-
-def miss_texts(entry: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the missed refreshes and the most in a row. entry: a summary's `miss`."""
-    return tuple(figure.text(entry[figure.name]) for figure in _MISS)
 
 
 def axes_of_traces(summaries: Iterable[Summary]) -> dict[str, str]:
@@ -341,33 +329,6 @@ def coding_rows(summary: Summary) -> Pairs:
 
 def _with_unit(value: float | None, unit: str) -> str:
     return "–" if value is None else f"{value:.1f} {unit}"
-
-
-def transit_lines(summary: Summary) -> list[str]:
-    """Return lines for the terminal, after the table: none for a plain link and a single fill."""
-    lines = []
-    filled = filled_rows(summary)
-    if len(filled) > 2:
-        lines.append("holes: " + ", ".join(f"{name} {share}" for name, share in filled))
-    lines += [f"{name}: {weight}" for name, weight in model_rows(summary)]
-    link = summary.get("link") or {}
-    counts = link.get("frames") or {}
-    if "proxy" in link or link.get("codec", "none") != "none" or any(counts.get(name) for name in _TROUBLE):
-        lines.append("frames: " + ", ".join(f"{count} {outcome}" for outcome, count in frame_rows(summary)))
-        rows = [*coding_rows(summary), *response_rows(summary, "median_ms")]
-        lines.append("link: " + ", ".join(f"{label} {text}" for label, text in rows))
-    return lines
-
-
-def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
-    """Return (part, median ms of all eyes, p95 ms, share) of a refresh, then the sum."""
-    live = summary["live"]
-    rows = []
-    for name, entry in live["refresh_ms"].items():
-        what = f"{drawing_text(summary)} by the server" if name == "render" else name
-        share = (entry["median"] or 0.0) / live["budget_ms"]
-        rows.append((what, _MS.text(entry["median"]), _MS.text(entry["p95"]), share))
-    return rows
 
 
 _HARDLY = 0.05  # of the refreshes: so many may be late without one being missed, where pictures queue

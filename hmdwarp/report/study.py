@@ -225,7 +225,7 @@ _ORIGINS = {"person": "", "pilot": "pilot sessions", "simulated": "simulated par
 def study_page(data: Row, command: str) -> page.Page:
     """Return report.html from the content of analysis.json: the same page for the same content."""
     scales = data["scales"]
-    facts = [page.fact("ratings from", data["source"])]
+    facts = [page.fact("ratings from", data["source"]), page.fact("participants", data["participants"])]
     for scale in scales:
         measure = scale["measure"]
         known = f"{measure['least']:g} to {measure['most']:g}" if measure["least"] is not None else "range unknown"
@@ -251,7 +251,6 @@ def study_page(data: Row, command: str) -> page.Page:
         facts=facts,
         command=command,
         sections=(
-            page.Section("", _tiles(data), style="tiles", label="Main figures"),
             page.notes_section(data["notes"]),
             page.Section("What was preferred", [*blocks, note] if blocks else [], id="pairs"),
             _shown(data),
@@ -267,28 +266,6 @@ def study_page(data: Row, command: str) -> page.Page:
             ("Numbers", "analysis.json and the folder tables hold all of them unrounded"),
         ],
     )
-
-
-def _tiles(data: Row) -> list[page.Tile]:
-    tables = [*data["scales"], *data["preferences"]]
-    rows = [row for table in tables for row in table["comparisons"]]
-    shown = sum(row["holm"] is not None and row["holm"] <= 0.05 for row in rows)
-    parts = len(data["scales"][0]["parts"]) if data["scales"] else len(data["preferences"])
-    people = f"in {counted(parts, 'part')}, counted in each" if parts > 1 else "who began"
-    missing = f"{data['missing']} missing, listed below" if data["missing"] else "none missing"
-    answers = page.Tile("Ratings", "", str(data["ratings"]), missing)
-    if data["preferences"]:
-        lacking, ties, count = (
-            sum(part[key] for part in data["preferences"]) for key in ("missing", "ties", "answers")
-        )
-        more = f"{ties} without a difference, {lacking or 'none'} missing"
-        answers = page.Tile("Pairs compared", "", str(count), more)
-    difference = "comparisons with p ≤ .05 after Holm in their family"
-    return [
-        page.Tile("Participants", "", str(data["participants"]), people),
-        answers,
-        page.Tile("Differences shown", "", f"{shown} of {len(rows)}", difference),
-    ]
 
 
 def _titled(scales: Sequence[Row], scale: Row) -> page.Heading | None:

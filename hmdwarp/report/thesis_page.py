@@ -29,19 +29,10 @@ def render_thesis_page(data: Mapping[str, Any], pictures: Mapping[str, Sequence[
         kind="thesis",
         title="hmdwarp: the thesis again",
         heading=("The thesis again", f"{len(experiments)} figures, times and claims"),
-        facts=[*facts, *quick],
+        facts=[*facts, *quick, ", ".join(f"{count} {name}" for name, count in data["verdicts"].items())],
         command=data.get("command") or "",
         remarks=[f"failed: {failure}" for failure in data["failed"]],
         sections=(
-            page.Section(
-                "",
-                [
-                    page.Tile(name, "", str(count), "of the experiments below")
-                    for name, count in data["verdicts"].items()
-                ],
-                style="tiles",
-                label="Verdicts",
-            ),
             page.Section("Verdicts", [_verdicts(experiments)], id="verdicts"),
             page.Section("Experiments", articles, id="experiments"),
             page.reading_section("thesis"),

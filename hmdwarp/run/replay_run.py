@@ -21,7 +21,7 @@ from ..options import AUTO
 from ..pipeline import ServerFrames
 from ..pipeline.options import SERVER_SCENE
 from ..pipeline.sizes import refreshes_of
-from ..report import OutputFolder, VideoWriter
+from ..report import OutputFolder, open_video
 from ..sources.server import Server
 from .measuring import MAIN, Probe, method_name
 from .options import RunOptions
@@ -174,11 +174,11 @@ def _run(setup: ReplayRun, probe: Probe, out: OutputFolder | None, progress: Pro
     if is_plain and isinstance(drawn_by, ServerFrames) and not drawn_by.requested.needs:
         *_, (_, last_ns) = setup.schedule.numbered()
         setup.loop.source = attrs.evolve(drawn_by, unseen_from_ns=last_ns - setup.channel.latency_ns + 1)
-    made: AbstractContextManager[VideoWriter | None] = nullcontext()
+    made: AbstractContextManager[Callable[[Any], None] | None] = nullcontext()
     (wide, high), eyes = setup.sizes.shown, len(setup.source.headset.views(Pose()))
     if options.video and out is not None:
-        made = VideoWriter(out.path("replay.mp4"), (eyes * wide, high), setup.schedule.rate_hz)
-    with made as video:
+        made = open_video(out.path("replay.mp4"), (eyes * wide, high), setup.schedule.rate_hz)
+    with made as add_to_video:
         for number, instant_ns in setup.schedule.numbered():
             setup.loop.draw(instant_ns)
             refresh = setup.loop.show(instant_ns) if number >= 0 else None
@@ -186,9 +186,9 @@ def _run(setup: ReplayRun, probe: Probe, out: OutputFolder | None, progress: Pro
                 log.add(refresh)
                 if probe.wants(count):
                     probe.read(count, refresh)
-                if video is not None:
+                if add_to_video is not None:
                     panels = [picture_from_linear(download(eye.panel.texture)) for eye in refresh.eyes]
-                    video.add(np.concatenate(panels, axis=1))
+                    add_to_video(np.concatenate(panels, axis=1))
                 count += 1
             progress(count, setup.schedule.count)
     if not count:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import os
 
-import numpy as np
 import pytest
-from PIL import Image
 from typer.testing import CliRunner
 
 from hmdwarp import resources
@@ -154,17 +152,3 @@ def test_places_that_cannot_be_written(tmp_path):
     assert "is a directory" in refused("convert", path, tmp_path)
     assert "cannot write" in refused("convert", path, tmp_path / "missing" / "out.csv")
     assert "cannot write" in refused("synth", "still", "--out", path / "below" / "out.csv")
-
-
-def test_a_plot_is_drawn_and_tells_an_upright_head_from_one_on_its_side(tmp_path):
-    """Pictures of one size; only the one read in other axes differs; nothing is overwritten."""
-    pictures = []
-    for axes in ("openxr", "world=x,z,y head=x,z,y", "openxr"):
-        out = tmp_path / f"{len(pictures)}.png"
-        run("info", "look-around", "--axes", axes, "--plot", out)
-        pictures.append(np.asarray(Image.open(out).convert("RGB")))
-    assert pictures[0].shape == pictures[1].shape == (750, 1200, 3)
-    below = slice(80, None)  # the title names the axes
-    assert np.array_equal(pictures[0][below], pictures[2][below])
-    assert (pictures[0][below] != pictures[1][below]).any(axis=2).mean() > 0.01
-    assert "exists already" in refused("info", "look-around", "--plot", tmp_path / "0.png")

@@ -38,9 +38,7 @@ def test_everything_is_on_the_page(text):
     words += "|1280x800|The GPU timer answers 1 ns|Rule: the least"
     words += "|look-around, 800 ms: mesh_adaptive + interpolate wins by FLIP."
     wanted += words.split("|")
-    wanted += [
-        COLUMNS[name].text(row) for row in data["rows"] for name in ("total_ms", "flip", "psnr_db", "silhouettes_flip")
-    ]
+    wanted += [COLUMNS[name].text(row) for row in data["rows"] for name in ("total_ms", "flip", "psnr_db")]
     assert [word for word in wanted if word not in page.text] == []
     assert page.tags.count("svg") == 2 * 2  # per case error against time twice (FLIP, PSNR)
     assert text.count('class="marked"') == sum(len(case.held()) for case in cases(data["rows"]))
@@ -51,13 +49,13 @@ def test_the_tables_can_be_read_without_seeing_them(text):
     attributes = page.attributes
     scopes = [value for tag, name, value in attributes if (tag, name) == ("th", "scope")]
     assert len(scopes) == page.tags.count("th") and set(scopes) == {"col", "row"}
-    assert page.tags.count("caption") == page.tags.count("table") == 2 + 2
+    assert page.tags.count("caption") == page.tags.count("table") == 2
     assert text.count("<fieldset") == text.count("<legend") == 1 and page.tags.count("input") == 2
     said = [value for tag, name, value in attributes if (tag, name) == ("div", "aria-label")]
     assert len(said) == page.tags.count("table") + page.tags.count("svg") and all(len(words) > 15 for words in said)
     assert len(re.findall(r'role="img"[^>]*aria-label', text)) == page.tags.count("svg") + text.count('class="marked"')
     links = {value[1:] for tag, name, value in attributes if (tag, name) == ("a", "href")}
-    assert links <= {value for tag, name, value in attributes if (tag, name) == ("section", "id")} and len(links) == 4
+    assert links <= {value for tag, name, value in attributes if (tag, name) == ("section", "id")} and len(links) == 3
     assert page.tags.count("h1") == 1 and 'lang="en"' in text
 
 
@@ -96,7 +94,6 @@ def test_without_anything_that_may_be_missing():
     for rows in ([], [row], [row, a_row("none", regions={})]):
         data = {"rows": rows, "schema": 1, "hmdwarp": "0.1.0", "clock": "wall"}
         found = Page(bench_page(data | dict.fromkeys(("machine", "clocks"))).html()).text
-        assert "Where the error lies" not in found
     assert "not measured" in bench_page({"rows": [row]}).html() and "None" not in found
 
 

@@ -7,7 +7,7 @@ import copy
 import numpy as np
 
 from hmdwarp.metrics import aggregate, metrics
-from hmdwarp.report import budget_rows, live_lines, render_live_report, validate_summary
+from hmdwarp.report import live_lines, render_live_report, validate_summary
 
 from .samples import a_summary
 
@@ -83,17 +83,12 @@ def test_lines_without_a_measurement_are_left_out():
     assert [line.partition(":")[0] for line in told] == ["Shown", "Frame age at display", "Missed refreshes", "note"]
 
 
-def test_a_refresh_is_weighed_against_its_budget():
-    rows = budget_rows(a_live_summary())
-    assert rows[0] == ("drawing by the server", "3.00", "4.00", 0.24) and rows[-1] == ("total", "7.50", "7.50", 0.6)
-
-
 def test_the_page_says_it_too_and_escapes():
     def made() -> str:
         return render_live_report(a_live_summary(about={"runtime": "<Monado>"}), a_column(), command="live --out 'a&b'")
 
     page = made()
-    wanted = "&lt;Monado&gt;|a&amp;b|A &lt;note&gt;.|latency 200 → 250|60%|at most 4 in a row"
+    wanted = "&lt;Monado&gt;|a&amp;b|A &lt;note&gt;.|latency 200 → 250|24%|60%|at most 4 in a row"
     for text in (*wanted.split("|"), "tracking lost (12×)"):
         assert text in page, text
     assert page.count("<svg") == 6 and "not measured" not in page and page == made()

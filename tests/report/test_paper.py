@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 import tempfile
 import xml.etree.ElementTree as ET
@@ -17,7 +16,7 @@ from hmdwarp.report.bench.page import bench_page
 
 from .bench_samples import a_bench, a_row, some_rows
 
-ALL = PaperOptions(tables=("latex", "csv", "markdown"), plots=("svg", "pdf"))
+ALL = PaperOptions(tables=("latex", "markdown"), plots=("svg", "pdf"))
 
 
 def written(folder: Path, options: PaperOptions = ALL) -> dict[str, bytes]:
@@ -36,11 +35,11 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 
 
 def test_each_table_and_chart_is_there_in_each_kind(files):
-    kinds = (".tex", ".csv", ".md", ".svg", ".pdf", "-figure.tex")
+    kinds = (".tex", ".md", ".svg", ".pdf", "-figure.tex")
     stems = {kind: {name[: -len(kind)] for name in files if name.endswith(kind)} for kind in kinds}
     assert stems[".svg"] == stems[".pdf"] == stems["-figure.tex"] and len(stems[".pdf"]) >= 2
     tables = stems[".tex"] - {f"{stem}-figure" for stem in stems[".pdf"]}
-    assert tables == stems[".csv"] == stems[".md"] == {"table-1", "regions-1"}
+    assert tables == stems[".md"] == {"table-1"}
 
 
 def test_latex_has_as_many_cells_in_each_line_as_columns_and_no_letter_with_a_meaning(files):
@@ -63,8 +62,8 @@ def test_latex_has_as_many_cells_in_each_line_as_columns_and_no_letter_with_a_me
 
 
 def test_heads_have_units_and_intervals_are_written(files):
-    (head, *rows) = csv.reader(files["table-1.csv"].decode().splitlines())
-    assert {"time [ms]", "PSNR [dB]", "FLIP", "FLIP ±"} <= set(head)
+    head, _, *rows = (line.split(" | ") for line in files["table-1.md"].decode().splitlines())
+    assert {"time ms", "PSNR dB", "FLIP", "FLIP ±"} <= set(head)
     assert len(rows) == 6 and all(len(row) == len(head) for row in rows)
 
 
@@ -112,7 +111,7 @@ def test_the_same_run_gives_the_same_bytes(files, tmp_path):
     assert written(tmp_path / "nothing is wanted", PaperOptions()) == {}
 
 
-@pytest.mark.parametrize(("flag", "known"), [("tables", "latex, csv or markdown"), ("plots", "svg or pdf")])
+@pytest.mark.parametrize(("flag", "known"), [("tables", "latex or markdown"), ("plots", "svg or pdf")])
 def test_an_unknown_kind_is_refused(flag, known):
     with pytest.raises(InputError, match=f"--{flag} 'word': expected {known}"):
         PaperOptions.of({flag: "word"})

@@ -37,14 +37,6 @@ def test_every_panel_is_there_unchanged_in_order_and_labelled():
         assert (label == 255).all(axis=-1).mean() > 0.8
 
 
-def test_rows_of_a_grid_and_without_a_late_frame():
-    panels = in_a_row(comparison_columns(None, a_scene(0), [("warped", a_scene(2), np.zeros((200, 320), np.uint8))]))
-    assert [name for name, _ in panels][0] == "truth"
-    strip = labelled_strip(panels, columns=2)
-    places = [find(strip, picture) for _, picture in panels]
-    assert places[0][0] == places[1][0] < places[2][0] and places[2][1] == 0
-
-
 @pytest.mark.parametrize("size", [(1, 1), (33, 21), (640, 400), (641, 401)])
 def test_a_strip_gives_its_panels_back_in_the_height_of_the_first(size):
     first, others = a_scene(size=size), [a_scene(size=(160, 100)), a_scene(size=(64, 40))]

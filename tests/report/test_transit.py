@@ -2,7 +2,7 @@
 
 import pytest
 
-from hmdwarp.report import coding_rows, filled_rows, frame_rows, model_rows, response_rows, transit_lines
+from hmdwarp.report import coding_rows, filled_rows, frame_rows, model_rows, response_rows
 
 from .samples import a_summary
 
@@ -30,15 +30,13 @@ def test_each_part_stands_once_and_empty_ones_are_left_out():
     assert len(labels) == len(set(labels))  # encoding stands in both, by two names
 
 
-def test_a_plain_link_and_a_single_fill_need_no_lines_and_without_entries_there_are_no_rows():
+def test_without_entries_there_are_no_rows():
     summary = a_summary()
-    assert len(transit_lines(summary)) == 3
     frames = {"drawn": 10, "sent": 10, "shown": 8, "under_way": 2}
     plain = {"codec": "none", "mbit_s": 100.0, "frames": frames, "response_ms": None}
-    assert transit_lines({**summary, "filled": {"interpolate": 0.1, "empty": 0.2}, "link": plain}) == []
     assert coding_rows({"link": plain}) == [("rate, both eyes", "100.0 Mbit/s uncompressed")]
     bare = {key: value for key, value in summary.items() if key not in ("link", "filled")}
-    for rows in (filled_rows, response_rows, frame_rows, coding_rows, transit_lines, model_rows):
+    for rows in (filled_rows, response_rows, frame_rows, coding_rows, model_rows):
         assert rows(bare) == []
 
 
@@ -49,7 +47,6 @@ def test_each_model_of_the_client_and_its_transfer_have_a_line():
     assert name == "client's model, 20 % of the triangles, textures at 0.25"
     assert whole == "client's model, 100 % of the triangles, textures at 1"
     assert weight == "15064 triangles 0.9 MB, textures 1.2 MB"
-    assert f"{name}: {weight}" in transit_lines(summary)
     crossed = {"start_up_bytes": 20_000, "first_picture_bytes": 64_400, "arrived_bytes": 9_000_000}
     for first, words in ((64_400, "0.06 MB before the first whole picture"), (None, "no whole picture")):
         _, row = model_rows({"client_models": [{**model, **crossed, "first_picture_bytes": first}]})

@@ -551,7 +551,7 @@ class JudgedAxes:
             if axis is not None and float(np.abs(axis).max()) < math.cos(math.radians(_TILT_SHOWN_DEG)):
                 return
         if verdict.faults:
-            done = "kept; nothing else fits better: --axes or --up states them; 'trace info --plot' shows the head"
+            done = "kept; nothing else fits better: --axes or --up states them"
             if (found := verdict.better) is not None:
                 sure = "clearly fits" if verdict.clear else "fits better, though not clearly"
                 also = f" (so do {', '.join(verdict.also)}; motion cannot tell them apart)" if verdict.also else ""

@@ -8,14 +8,14 @@ from typing import Any
 
 import attrs
 
-from ...metrics import PRIMARY, REGIONS, error_and_time, metrics, metrics_in_order
+from ...metrics import PRIMARY, error_and_time, metrics, metrics_in_order
 from .. import charts, page
 from ..charts import Drawn, Look, Spot
 from ..page import texts
 from ..run_texts import Table, axes_of_traces, counted, listed
 from . import rows as bench_rows
 from .crops import Crops, crops_chart
-from .rows import COLUMNS, Case, Column, Row, at, common, measure_label, row_name, table_of
+from .rows import Case, Column, Row, at, common, measure_label, row_name, table_of
 
 
 def looks_of(rows: Iterable[Row]) -> dict[str, Look]:
@@ -104,7 +104,6 @@ def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -
             _tables(rows, groups),
             page.Section("Crops and error maps", cut and [page.Text(told), *cut], id="crops"),
             _fronts(groups, rows),
-            _regions(groups),
             page.reading_section("bench", *explained, *rated),
         ),
         made_with=[
@@ -187,15 +186,3 @@ def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> page.Section:
     measures = [(name, measure_label(name).partition(",")[0]) for name in known]
     choice = [page.Choice("measure-time", measures)] if len(known) > 1 else []
     return page.Section("Error against time", [*choice, *charts], id="time")
-
-
-def _regions(groups: Sequence[Case]) -> page.Section:
-    folds: list[page.Fold] = []
-    names = [f"{region}_{figure}" for region in REGIONS for figure in ("share", "flip", "psnr_db")]
-    columns = [COLUMNS[name] for name in ("warp", "fill", *names)]
-    for group in groups:
-        if measured := [row for row in group.ordered() if COLUMNS["seen_share"].value(row) is not None]:
-            table = table_of(f"Error by region, {group.label}", columns, measured)
-            folds.append(page.Fold(group.label, [table], is_open=not folds))
-    note = page.Text(texts("bench")["notes"]["regions"])
-    return page.Section("Where the error lies", [note, *folds] if folds else [], id="regions")

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hmdwarp.errors import HmdwarpError, InputError
 from hmdwarp.pipeline import QualityLevel
 from hmdwarp.pipeline.governor import BACK_OFF, PATIENCE, SETTLING, WINDOW, Governor
-from hmdwarp.pipeline.levels import choose, levels_from
+from hmdwarp.pipeline.levels import best_within, levels_from
 
 
 def row(warp: str, fill: str, total: float | None, flip: float | None, **case) -> dict:
@@ -67,24 +67,15 @@ def test_the_largest_of_several_sizes_counts():
         row("a", "none", 30.0, 0.2, size=[1280, 800], scene="planes"),
         row("a", "none", 40.0, 0.2, size=[800, 1280]),
     ]
-    chosen = choose([*rows, *more], 100.0)
-    assert (chosen["total_ms"], chosen["sizes"], chosen["cases"]) == (30.0, [(800, 1280), (1280, 800)], 3)
+    assert [level.total_ms for level in levels_from([*rows, *more])] == [30.0]
 
 
-def test_the_choice_and_the_next_step_up():
-    names = [str(level) for level in levels_from(ROWS)]
-    assert names == ["none", "rotation", "forward + interpolate", "mesh:cut=slope + interpolate"]
-    assert levels_from(ROWS)[2] == QualityLevel("forward", "interpolate", 8.0, 0.05, 35.0)
-    chosen = choose(ROWS, 10)
-    assert chosen == {
-        "budget_ms": 10.0, "warp": "forward", "fill": "interpolate", "settings": {}, "total_ms": 8.0, "flip": 0.05,
-        "psnr_db": 35.0, "sizes": [(640, 400)], "cases": 1,
-        "next": {"warp": "mesh:cut=slope", "fill": "interpolate", "total_ms": 40.0, "flip": 0.02, "psnr_db": 38.0},
-    }  # fmt: skip
-    best = choose(ROWS, 1e6)
-    assert best["next"] is None
-    assert best["settings"] == {"cut": "slope"}
-    assert choose(ROWS, 8.0)["warp"] == "forward"  # a budget is met by what takes exactly that long
+def test_the_most_accurate_within_a_budget():
+    levels = levels_from(ROWS)
+    assert [*map(str, levels)] == ["none", "rotation", "forward + interpolate", "mesh:cut=slope + interpolate"]
+    assert levels[2] == QualityLevel("forward", "interpolate", 8.0, 0.05, 35.0)
+    # A budget is met by what takes exactly that long.
+    assert [best_within(levels, budget_ms) for budget_ms in (1.0, 8.0, 10, 1e6)] == [0, 2, 2, 3]
 
 
 def test_times_of_two_machines_are_not_mixed():
@@ -108,7 +99,10 @@ def test_rows_that_measured_nothing_are_left_out():
             lambda: levels_from([row("a", "none", 1.0, 0.1), row("b", "none", 1.0, 0.1, scene="planes")]),
             "no common case",
         ),
-        *((lambda bad=bad: choose(ROWS, bad), "expected a time above 0 ms") for bad in (0.0, -1.0, math.nan, math.inf)),
+        *(
+            (lambda bad=bad: best_within(levels_from(ROWS), bad), "expected a time above 0 ms")
+            for bad in (0.0, -1.0, math.nan, math.inf)
+        ),
     ],
 )
 def test_rows_and_budgets_that_say_nothing_are_refused(call, message):
