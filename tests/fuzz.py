@@ -225,18 +225,11 @@ def damaged_sqlite(data: bytes, rng: random.Random) -> bytes:
     return base.serialize()
 
 
-def damaged_message(data: bytes, rng: random.Random) -> bytes:
-    """Return the message of the feed damaged after its head, whose length fits."""
-    body = damaged_bytes(data[12:], rng)
-    return data[:8] + struct.pack("<I", 12 + len(body)) + body
-
-
 STRUCTURED: list[tuple[bytes, Callable[[bytes, random.Random], bytes]]] = [
     (b"PK\x03\x04", damaged_zip),
     (b"\x89PNG", damaged_png),
     (b"glTF", damaged_glb),
     (b"SQLite format 3\0", damaged_sqlite),
-    (b"HWFD", damaged_message),
     (b"{", damaged_json),
     (b"[{", damaged_json),
 ]
@@ -543,31 +536,10 @@ def _secrets() -> Iterator[tuple[str, Target]]:
     yield "key and token", Target(write, read, "zmq")
 
 
-def _messages() -> Iterator[tuple[str, Target]]:
-    def write(name: str, folder: Path) -> None:
-        from sources.feed import messages as made
-
-        from hmdwarp.sources.feed import message
-
-        (folder / "message").write_bytes(bytes(message.encode(getattr(made, name))))
-
-    def read(folder: Path, rng: Rng) -> None:
-        from hmdwarp.errors import InputError
-        from hmdwarp.sources.feed import message
-
-        try:
-            message.decode((folder / "message").read_bytes())
-        except message.Malformed as error:
-            raise InputError(str(error)) from error
-
-    for name in ("ASK", "FRAME", "BYTES", "CODED", "LAYERED"):
-        yield f"message {name.lower()}", Target(partial(write, name), read)
-
-
 def targets() -> dict[str, Target]:
     """Return all that this machine has the packages for, by name."""
     found: dict[str, Target] = {}
-    for kind in (_traces, _sequences, _frame_files, _scenes, _tables, _results, _stores, _secrets, _messages):
+    for kind in (_traces, _sequences, _frame_files, _scenes, _tables, _results, _stores, _secrets):
         found.update(kind())
     return {name: one for name, one in found.items() if one.needs is None or importlib.util.find_spec(one.needs)}
 
