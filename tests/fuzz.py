@@ -31,7 +31,7 @@ import warnings
 import zipfile
 import zlib
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -225,18 +225,11 @@ def damaged_sqlite(data: bytes, rng: random.Random) -> bytes:
     return base.serialize()
 
 
-def damaged_message(data: bytes, rng: random.Random) -> bytes:
-    """Return the message of the feed damaged after its head, whose length fits."""
-    body = damaged_bytes(data[12:], rng)
-    return data[:8] + struct.pack("<I", 12 + len(body)) + body
-
-
 STRUCTURED: list[tuple[bytes, Callable[[bytes, random.Random], bytes]]] = [
     (b"PK\x03\x04", damaged_zip),
     (b"\x89PNG", damaged_png),
     (b"glTF", damaged_glb),
     (b"SQLite format 3\0", damaged_sqlite),
-    (b"HWFD", damaged_message),
     (b"{", damaged_json),
     (b"[{", damaged_json),
 ]
@@ -265,7 +258,6 @@ class Target:
 
     write: Callable[[Path], object]
     read: Callable[[Path, Rng], object]
-    needs: str | None = None  # a package
 
 
 def the_file(folder: Path, name: str) -> Path:
@@ -301,7 +293,10 @@ SAMPLES = {
 }  # fmt: skip
 
 
-def _traces() -> Iterator[tuple[str, Target]]:
+Add = Callable[..., None]  # name, who writes, who reads, the package that it needs
+
+
+def _traces(add: Add) -> None:
     from poses import layouts
     from poses.traces import head, rows, save
     from recorded_folders import taken, write_colmap
@@ -315,11 +310,11 @@ def _traces() -> Iterator[tuple[str, Target]]:
 
     track = head(60)
     for layout in layouts.LAYOUTS:
-        yield f"trace {layout.name}", Target(partial(_layout, layouts, layout, track), reads("*", layout.stated))
-    for form in (form for form in formats if form.writes):
-        there, needs = track.evolve(epoch_ns=BEGINS_NS), "mcap" if form.name == "mcap" else None
-        saves = partial(lambda name, there, folder: save(there, folder / f"trace.{name}", name), form.name, there)
-        yield f"trace {form.name}", Target(saves, reads(), needs)
+        add(f"trace {layout.name}", partial(layouts.written, layout, track), reads("*", layout.stated))
+    there = track.evolve(epoch_ns=BEGINS_NS)
+    for name in (form.name for form in formats if form.writes):
+        saves = partial(lambda name, folder: save(there, folder / f"trace.{name}", name), name)
+        add(f"trace {name}", saves, reads(), "mcap" if name == "mcap" else None)
     table = rows(track, "wxyz")
     texts = {
         "multi": ["timestamp viewpoint w x y z", *(" ".join([r[0], "0", *r[4:]]) for r in table)],
@@ -329,25 +324,16 @@ def _traces() -> Iterator[tuple[str, Target]]:
     }
     for name, lines in texts.items():
         writes = partial(lambda text, folder: (folder / "trace.csv").write_text(text), "\n".join(lines))
-        yield f"trace {name}", Target(writes, reads(stated={"quat_order": "wxyz"} if name == "ticks" else None))
+        add(f"trace {name}", writes, reads(stated={"quat_order": "wxyz"} if name == "ticks" else None))
     for name, sample in SAMPLES.items():
-        yield f"trace {name}", Target(partial(_copy, sample), reads("*motion.tsv" if name == "bids" else "*"))
+        path = HERE.parent / "poses" / "files" / sample
+        copies = partial(shutil.copytree, path, dirs_exist_ok=True) if path.is_dir() else partial(shutil.copy, path)
+        add(f"trace {name}", copies, reads("*motion.tsv" if name == "bids" else "*"))
     images = reads("sparse/0/images.txt", {"rate": 90.0})
-    yield "trace colmap", Target(lambda folder: write_colmap(folder, taken(3)), images)
+    add("trace colmap", lambda folder: write_colmap(folder, taken(3)), images)
 
 
-def _layout(layouts: Any, layout: Any, track: Any, folder: Path) -> None:
-    layouts.written(layout, track, folder)
-
-
-def _copy(sample: str, folder: Path) -> None:
-    """Copy a file of tests/poses/files, or a folder of them."""
-    path = HERE.parent / "poses" / "files" / sample
-    for one in path.iterdir() if path.is_dir() else [path]:
-        shutil.copy(one, folder)
-
-
-def _sequences() -> Iterator[tuple[str, Target]]:
+def _sequences(add: Add) -> None:
     from recorded_folders import taken
     from ros_bags import BAGS, FORMS
 
@@ -357,21 +343,18 @@ def _sequences() -> Iterator[tuple[str, Target]]:
         for frame in sequences.open(folder, form.options).frames[:4]:
             frame.read()
 
+    def bag(folder: Path, rng: Rng) -> None:
+        _trace(next(path for path in sorted(folder.iterdir()) if path.suffix in (".bag", ".db3", ".mcap")), rng)
+
     for name, form in FORMS.items():
         needs = "rosbags" if name in BAGS else "OpenEXR" if name == "exr" else None
-        yield (
-            f"frames {name}",
-            Target(lambda folder, form=form: form.write(folder, taken(3)), partial(read, form), needs),
-        )
+        writes = partial(lambda form, folder: form.write(folder, taken(3)), form)
+        add(f"frames {name}", writes, partial(read, form), needs)
         if name in BAGS:
-            yield f"trace {name}", Target(lambda folder, form=form: form.write(folder, taken(3)), _bag, needs)
+            add(f"trace {name}", writes, bag, needs)
 
 
-def _bag(folder: Path, rng: Rng) -> None:
-    _trace(next(path for path in sorted(folder.iterdir()) if path.suffix in (".bag", ".db3", ".mcap")), rng)
-
-
-def _frame_files() -> Iterator[tuple[str, Target]]:
+def _frame_files(add: Add) -> None:
     from hmdwarp.sources.sequences import frame_files
 
     def write(pack: Callable[..., None], folder: Path) -> None:
@@ -380,14 +363,11 @@ def _frame_files() -> Iterator[tuple[str, Target]]:
         pack(folder / "frame.npz", colour=np.full((8, 10, 3), 9, np.uint8), depth_m=np.full((8, 10), 2.0), **facts)
 
     for name, pack in (("stored", np.savez), ("packed", np.savez_compressed)):
-        yield (
-            f"frame {name}",
-            Target(partial(write, pack), lambda folder, _: frame_files.read_frame(folder / "frame.npz")),
-        )
-    yield "pose", Target(partial(write, np.savez), lambda folder, _: frame_files.read_view(folder / "pose.json"))
+        add(f"frame {name}", partial(write, pack), lambda folder, _: frame_files.read_frame(folder / "frame.npz"))
+    add("pose", partial(write, np.savez), lambda folder, _: frame_files.read_view(folder / "pose.json"))
 
 
-def _scenes() -> Iterator[tuple[str, Target]]:
+def _scenes(add: Add) -> None:
     import trimesh
     from scenes.glb import Glb
 
@@ -402,8 +382,6 @@ def _scenes() -> Iterator[tuple[str, Target]]:
         picture = np.full((8, 8, 4), 200, np.uint8)
         return made.material(alphaMode="BLEND", pbrMetallicRoughness={"baseColorTexture": made.texture(picture)})
 
-    yield "scene glb", Target(lambda folder: (folder / "scene.glb").write_bytes(glb().data()), partial(read, "glb"))
-
     def draco(folder: Path) -> None:
         from scenes.glb import SQUARE
         from scenes.test_gltf_rules import packed
@@ -411,30 +389,25 @@ def _scenes() -> Iterator[tuple[str, Target]]:
         data = packed(SQUARE, np.array([(0, 1, 2), (0, 2, 3)])).data()
         (folder / "scene.glb").write_bytes(data)
 
-    yield "scene draco", Target(draco, partial(read, "glb"), "DracoPy")
-    for inside in (True, False):
-        yield (
-            f"scene gltf {'whole' if inside else 'with files'}",
-            Target(lambda folder, i=inside: glb().write_gltf(folder / "scene.gltf", inside=i), partial(read, "gltf")),
-        )
+    add("scene glb", lambda folder: (folder / "scene.glb").write_bytes(glb().data()), partial(read, "glb"))
+    add("scene draco", draco, partial(read, "glb"), "DracoPy")
+    for name, inside in (("whole", True), ("with files", False)):
+        writes = partial(lambda inside, folder: glb().write_gltf(folder / "scene.gltf", inside=inside), inside)
+        add(f"scene gltf {name}", writes, partial(read, "gltf"))
     for ending in ("obj", "ply"):
-        yield (
-            f"scene {ending}",
-            Target(
-                lambda folder, e=ending: trimesh.creation.box().export(folder / f"scene.{e}"), partial(read, ending)
-            ),
-        )
+        exports = partial(lambda name, folder: trimesh.creation.box().export(folder / name), f"scene.{ending}")
+        add(f"scene {ending}", exports, partial(read, ending))
 
 
-def _tables() -> Iterator[tuple[str, Target]]:
+def _tables(add: Add) -> None:
     from hmdwarp.client.classes import load_client
     from hmdwarp.headsets import load_headset
     from hmdwarp.study.analysis.findings import load_claims
+    from hmdwarp.study.analysis.long_table import from_csv
     from hmdwarp.study.design import load_design
     from hmdwarp.study.respondents import load_model
     from hmdwarp.study.scales import load_scale
 
-    package = ROOT / "hmdwarp"
     kinds: dict[str, tuple[str, Callable[[str], object]]] = {
         "headset": ("headsets/*.toml", load_headset),
         "client": ("client/classes/*.toml", load_client),
@@ -442,29 +415,22 @@ def _tables() -> Iterator[tuple[str, Target]]:
         "model": ("study/respondents/*.toml", load_model),
         "study": ("study/ready/[!_]*.toml", partial(load_design, checked=False)),
         "claims": ("study/ready/*_claims.toml", lambda name: load_claims(Path(name))),
+        "ratings": ("study/ready/*_ratings.csv", lambda name: from_csv(Path(name))),
     }
     for kind, (where, load) in kinds.items():
-        for file in sorted(package.glob(where)):
+        for file in sorted((ROOT / "hmdwarp").glob(where)):
             if kind != "study" or "_" not in file.stem:
-                yield (
-                    f"{kind} {file.stem}",
-                    Target(partial(shutil.copy, file), lambda folder, _, f=file, load=load: load(str(folder / f.name))),
-                )
+                reads = partial(lambda load, name, folder, _: load(str(folder / name)), load, file.name)
+                add(f"{kind} {file.stem}", partial(shutil.copy, file), reads)
 
 
-def _results() -> Iterator[tuple[str, Target]]:
+def _results(add: Add) -> None:
+    from bench_files import a_bench, a_row
+
     from hmdwarp.link.delays import read_delays
     from hmdwarp.pipeline.levels import read_rows
-    from hmdwarp.study.analysis.long_table import from_csv
-
-    def bench(folder: Path) -> None:
-        from bench_files import a_row
-
-        (folder / "bench.json").write_text(json.dumps({"schema": 1, "rows": [a_row("none", "none", 1.0, 0.3)] * 2}))
 
     def benches(folder: Path) -> None:
-        from bench_files import a_bench, a_row
-
         from hmdwarp.metrics import blocks_text
 
         for host in ("one", "two"):
@@ -483,28 +449,21 @@ def _results() -> Iterator[tuple[str, Target]]:
         with patch.object(sys.modules[merge.__module__], "write_bench"):
             merge(MergeOptions(folders=(folder / "one", folder / "two"), out=folder / "merged"))
 
-    yield "bench merge", Target(benches, merge)
-    ratings = sorted((ROOT / "hmdwarp" / "study" / "ready").glob("*_ratings.csv"))
-    yield "bench", Target(bench, lambda folder, _: read_rows(folder / "bench.json"))
-    yield (
-        "delays",
-        Target(
-            lambda folder: (folder / "delays.txt").write_text("delay\n" + "12.5\n80 # late\n" * 9),
-            lambda folder, _: read_delays(folder / "delays.txt"),
-        ),
-    )
-    for file in ratings:
-        yield (
-            f"ratings {file.stem}",
-            Target(partial(shutil.copy, file), lambda folder, _, f=file: from_csv(folder / f.name)),
-        )
+    add("bench merge", benches, merge)
+    rows, delays = {"schema": 1, "rows": [a_row("none", "none", 1.0, 0.3)] * 2}, "delay\n" + "12.5\n80 # late\n" * 9
+    for name, file, text, reads in (
+        ("bench", "bench.json", json.dumps(rows), read_rows),
+        ("delays", "delays.txt", delays, read_delays),
+    ):
+        writes = partial(lambda file, text, folder: (folder / file).write_text(text), file, text)
+        add(name, writes, partial(lambda reads, file, folder, _: reads(folder / file), reads, file))
 
 
-def _stores() -> Iterator[tuple[str, Target]]:
+def _stores(add: Add) -> None:
+    from hmdwarp.study.store import DATABASE, Store
+
     def write(folder: Path) -> None:
         from study.store import sessions
-
-        from hmdwarp.study.store import DATABASE, Store
 
         with Store(folder / "store", create=True) as store:
             for code in ("P1", "P2"):
@@ -516,7 +475,6 @@ def _stores() -> Iterator[tuple[str, Target]]:
 
     def read(folder: Path, rng: Rng) -> None:
         from hmdwarp.errors import InputError, MachineError
-        from hmdwarp.study.store import Store
 
         try:
             with Store(folder / "store") as store:
@@ -524,10 +482,10 @@ def _stores() -> Iterator[tuple[str, Target]]:
         except MachineError as error:  # a folder that may not be used
             raise InputError(str(error)) from error
 
-    yield "study store", Target(write, read)
+    add("study store", write, read)
 
 
-def _secrets() -> Iterator[tuple[str, Target]]:
+def _secrets(add: Add) -> None:
     def write(folder: Path) -> None:
         from hmdwarp.sources.feed.options import key_pair
 
@@ -540,36 +498,20 @@ def _secrets() -> Iterator[tuple[str, Target]]:
         public_key(folder / "feed.key")
         secret_in(folder / "token")
 
-    yield "key and token", Target(write, read, "zmq")
-
-
-def _messages() -> Iterator[tuple[str, Target]]:
-    def write(name: str, folder: Path) -> None:
-        from sources.feed import messages as made
-
-        from hmdwarp.sources.feed import message
-
-        (folder / "message").write_bytes(bytes(message.encode(getattr(made, name))))
-
-    def read(folder: Path, rng: Rng) -> None:
-        from hmdwarp.errors import InputError
-        from hmdwarp.sources.feed import message
-
-        try:
-            message.decode((folder / "message").read_bytes())
-        except message.Malformed as error:
-            raise InputError(str(error)) from error
-
-    for name in ("ASK", "FRAME", "BYTES", "CODED", "LAYERED"):
-        yield f"message {name.lower()}", Target(partial(write, name), read)
+    add("key and token", write, read, "zmq")
 
 
 def targets() -> dict[str, Target]:
     """Return all that this machine has the packages for, by name."""
     found: dict[str, Target] = {}
-    for kind in (_traces, _sequences, _frame_files, _scenes, _tables, _results, _stores, _secrets, _messages):
-        found.update(kind())
-    return {name: one for name, one in found.items() if one.needs is None or importlib.util.find_spec(one.needs)}
+
+    def add(name: str, write: Callable, read: Callable, needs: str | None = None) -> None:
+        if needs is None or importlib.util.find_spec(needs):
+            found[name] = Target(write, read)
+
+    for kind in (_traces, _sequences, _frame_files, _scenes, _tables, _results, _stores, _secrets):
+        kind(add)
+    return found
 
 
 # Cases

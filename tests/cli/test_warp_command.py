@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import sys
-import zipfile
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -201,18 +200,6 @@ def test_files_of_other_kinds(name, data, command, tmp_path):
     done = command("warp", tmp_path / "frame.npz", "--to", tmp_path / "pose.json", "--out", tmp_path / "o.npz")
     done.refused(str(tmp_path / name))
     assert "allow_pickle" not in done.err and "unsafe" not in done.err and not (tmp_path / "o.npz").exists()
-
-
-def test_archives_of_other_things(command, tmp_path):
-    whole, pose = write_frame(tmp_path / "frame.npz").read_bytes(), write_pose(tmp_path / "pose.json")
-    for members in ({"readme.txt": b"hello"}, {f"{name}.npy": b"no array" for name in arrays()}):
-        with zipfile.ZipFile(tmp_path / f"{len(members)}.npz", "w") as archive:
-            for name, data in members.items():
-                archive.writestr(name, data)
-    (tmp_path / "cut.npz").write_bytes(whole[: len(whole) // 2])
-    (tmp_path / "tail.npz").write_bytes(whole[200:])
-    for path in sorted(tmp_path.glob("*[!e].npz")):
-        command("warp", path, "--to", pose, "--out", tmp_path / "o.npz").refused(str(path))
 
 
 @pytest.mark.parametrize("out", ["out.gif", "out", "missing/out.npz"])

@@ -10,8 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from reference.lens import tangent_from_lens
 
 import hmdwarp.headsets
@@ -190,16 +188,3 @@ def test_unknown_names_and_absent_files(tmp_path):
 )  # fmt: skip
 def test_a_bad_value_is_named(tmp_path, found, put, says):
     assert found in DK1 and re.search(says, refusal(tmp_path, DK1.replace(found, put)))
-
-
-@settings(max_examples=150)
-@given(st.one_of(st.binary(max_size=200), st.tuples(st.integers(0, len(DK1) - 1), st.text(max_size=6))))
-def test_any_bytes_give_a_headset_or_one_clear_line(tmp_path_factory, change):
-    """Random bytes, and the real file with a few characters overwritten anywhere."""
-    text = change if isinstance(change, bytes) else DK1[: change[0]] + change[1] + DK1[change[0] + len(change[1]) :]
-    data = text if isinstance(text, bytes) else text.encode("utf-8", "surrogatepass")
-    try:
-        assert isinstance(load_text(tmp_path_factory.getbasetemp(), data), Headset)
-    except InputError as error:
-        assert "mine.toml" in str(error)
-        assert "\n" not in str(error)

@@ -67,13 +67,6 @@ def test_written_traces_read_back_bit_for_bit(tmp_path_factory, name, first, ste
     assert np.array_equal(back.track.orientation_xyzw, track.orientation_xyzw)
 
 
-@pytest.mark.parametrize("name", WRITERS)
-def test_written_twice_is_the_same_file(tmp_path, name):
-    first = save(TRACK, tmp_path / "first", name)
-    again = save(load_trace(first).track.evolve(origin="", notes=()), tmp_path / "again", name)
-    assert again.read_bytes() == first.read_bytes()
-
-
 def test_native_tells_origin_rate_and_what_was_done(tmp_path):
     stream = io.StringIO()
     formats.get("native").write(

@@ -296,7 +296,7 @@ def test_velocities_are_those_of_the_poses(tmp_path, kind):
         assert np.allclose(at.angular_velocity_rad_s, spin, atol=1e-5)
 
 
-DRACO, INSTANCING = "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing"
+DRACO = "KHR_draco_mesh_compression"
 
 
 def world(scene) -> np.ndarray:

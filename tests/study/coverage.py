@@ -15,23 +15,20 @@ import numpy as np
 import pytest
 from scipy.stats import binom, t
 
-from hmdwarp.study.analysis.findings import Resampling, condition_rows, order_effects, preference_results
-from hmdwarp.study.design import Comparison, Design, design_from_text, load_design
-from hmdwarp.study.respondents import Model, SicknessModel, load_model, model_from_text
+from hmdwarp.study.analysis.findings import Resampling, preference_results
+from hmdwarp.study.design import Comparison, Design, load_design
+from hmdwarp.study.respondents import Model, SicknessModel, load_model
 from hmdwarp.study.statistics import JOD_SPREAD, attained_level, bca, hodges_lehmann, holm, wilcoxon_exact
 
 from .analysis.tables import (
     SCORES,
     cohort_of,
     differences,
-    in_order,
     judges,
     pairs_of,
-    simulate_study,
     simulated,
     unlimited,
 )
-from .plans import text_of
 
 PART, MANY, LEVEL, STUDIES, STUDIES_OF_PAIRS = "run-1", 20_000, 0.95, 400, 150
 FAR = 1e-9  # an end of an interval and a true value that are equal but for the last digits
@@ -174,36 +171,3 @@ def test_known_scores_lie_in_their_intervals_at_the_nominal_rate(scale, taste):
         held["warped over late"] += row["low"] <= (SCORES["warped"] - SCORES["late"]) * shrunk <= row["high"]
     least, most = binom.ppf((0.001, 0.999), STUDIES_OF_PAIRS, 0.95)
     assert all(least <= count <= most for count in held.values()), held
-
-
-def test_intervals_hold_the_true_mean_at_the_nominal_rate():
-    """95 % of 200 studies of 12 people, as the binomial tells (fewer or more come once in 500 times
-    each); the truth is the mean of 20,000 people, known to 0.01.
-    """
-    design = design_from_text(text_of("impaired"), "impaired.toml", checked=False)
-    model = model_from_text(text_of("impaired-people"), "test")
-    studies = 200
-    many = simulate_study(design, model, 20_000, 1).table("main", "dcr")
-    truth = many.mean().to_dict()
-    held = dict.fromkeys(("late", "warped"), 0)
-    for study in range(1, studies + 1):
-        rows = condition_rows(simulate_study(design, model, 12, 2 + study), "main", "dcr")
-        for row in rows:
-            if row["condition"] in held:
-                assert 1 <= row["low"] <= row["mean"] <= row["high"] <= 5
-                held[row["condition"]] += row["low"] <= truth[row["condition"]] <= row["high"]
-        alike = [row for row in rows if row["sd"] == 0]
-        assert all((row["low"], row["high"]) == (None, None) for row in alike)
-    least, most = binom.ppf((0.002, 0.998), studies, 0.95)
-    assert all(least <= count <= most for count in held.values()), held
-
-
-def test_without_an_effect_p_is_uniform():
-    """Of 200 studies 5 % are below .05: four standard errors are 6 %."""
-    ps = np.array(
-        [
-            [order_effects(in_order(seed=seed, people=8))[name]["p"] for name in ("place", "previous")]
-            for seed in range(200)
-        ]
-    )
-    assert ((ps < 0.05).mean(axis=0) < 0.05 + 0.062).all()

@@ -40,7 +40,6 @@ from . import tiny
 
 PHASES = {"answer": "after an answer", "showing": "while showing", "shown": "after a trial", "event": "after an event"}
 KILLS, SEED = (int(os.environ.get(name, usual)) for name, usual in (("STUDY_KILLS", "12"), ("STUDY_KILL_SEED", "1")))
-COLD = 0.2  # share of lives that begin with the start of Python
 SHORTLY_S = (1e-5, 0.02)  # after a line of the witness: at once, in the middle of the next commit, or between two
 
 
@@ -52,22 +51,6 @@ class Life:
     status: int  # as waitpid has it, negative for a signal
     seconds: float
     said: str
-
-
-class Cold:
-    """A program started as anybody starts it: 0.7 s of 1.3 go into imports. told, said: pipes that
-    it writes to.
-    """
-
-    def __init__(self, arguments: list[str], told: int, said: int) -> None:
-        command = [sys.executable, "-m", "tests.study.witness", str(told), *arguments]
-        self._process = subprocess.Popen(
-            command, pass_fds=[told], stdin=subprocess.DEVNULL, stdout=said, stderr=subprocess.STDOUT, cwd=tiny.ROOT
-        )
-        self.kill = self._process.kill
-
-    def wait(self) -> int:
-        return self._process.wait(tiny.PATIENCE_S)
 
 
 class Nursery:
@@ -103,9 +86,7 @@ class Nursery:
         return int(self._lines.readline())
 
 
-def live(
-    start: type[Cold] | Nursery, arguments: list[str], *, after_s: float | None = None, after_line: int | None = None
-) -> Life:
+def live(start: Nursery, arguments: list[str], *, after_s: float | None = None, after_line: int | None = None) -> Life:
     """Run the program and kill it: after so long. Or after so many lines of its witness, and
     `after_s` more. None for both lets it live.
     """
@@ -149,17 +130,15 @@ class Killed:
         with Nursery() as nursery:
             first = tiny.session(study, model, "first", "--store", str(self.folder / "first"))
             live(nursery, first)
-            # How long and how talkative a life is.
-            usual = {start: live(start, [*first, "--new-session"]) for start in (nursery, Cold)}
-            assert all(run.status == 0 for run in usual.values()), usual
+            usual = live(nursery, [*first, "--new-session"])  # how long and how talkative a life is
+            assert usual.status == 0, usual
             while not self.is_enough:
                 self.codes.append(f"person-{len(self.codes) + 1}")
                 arguments = tiny.session(study, model, self.codes[-1], "--store", str(self.store))
                 # It may be killed after its end, during the last plate.
                 while (status := self.status()) != COMPLETE:
-                    start = chance.choices(list(usual), (1 - COLD, COLD))[0]
-                    moment = self._moment(chance, usual[start])
-                    self._take(live(start, [*arguments, *(["--resume"] if status else [])], **moment))
+                    again = ["--resume"] if status else []
+                    self._take(live(nursery, [*arguments, *again], **self._moment(chance, usual)))
 
     @property
     def is_enough(self) -> bool:

@@ -1,8 +1,7 @@
 """The real command line, with a witness: what the store has taken is told to a pipe, in one write,
 before anything else happens. What was told stays there whatever becomes of this process.
 
-    python -m tests.study.witness FD study run ...      the program as it is
-    python -m tests.study.witness SOCKET                 a nursery: forks with all imports done
+    python -m tests.study.witness SOCKET
 """
 
 from __future__ import annotations
@@ -47,15 +46,6 @@ def watch(fd: int) -> None:
     Store.answer, Store.begin_showing, Store.end_showing, Store.record = answered, begun, ended, recorded
 
 
-def program(fd: int, arguments: list[str]) -> None:
-    """The command line, to its end."""
-    watch(fd)
-    sys.argv = ["hmdwarp", *arguments]
-    from hmdwarp.cli import main
-
-    main()
-
-
 def nursery(link: socket.socket) -> None:
     """For each list of arguments that comes with two pipes, for the witness and for what is
     printed: a child that is the program; its process id goes back at once, its status when it is
@@ -72,7 +62,9 @@ def nursery(link: socket.socket) -> None:
             os.dup2(said, 1)
             os.dup2(said, 2)
             sys.stdout, sys.stderr = open(1, "w", closefd=False), open(2, "w", buffering=1, closefd=False)  # noqa: PTH123, SIM115
-            program(told, json.loads(data))
+            watch(told)
+            sys.argv = ["hmdwarp", *json.loads(data)]
+            importlib.import_module("hmdwarp.cli").main()
         os.close(told)
         os.close(said)
         link.sendall(f"{pid}\n".encode())
@@ -80,7 +72,4 @@ def nursery(link: socket.socket) -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 2:
-        program(int(sys.argv[1]), sys.argv[2:])
-    else:
-        nursery(socket.socket(fileno=int(sys.argv[1])))
+    nursery(socket.socket(fileno=int(sys.argv[1])))

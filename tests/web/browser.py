@@ -119,8 +119,6 @@ class Browser:
         self._thread.start()
         self._answers: dict[int, asyncio.Future] = {}
         self._why_ended = ""
-        self._traced: list[dict[str, Any]] = []
-        self._is_traced = threading.Event()
         try:
             self._run(self._connect(self._address()))
         except BaseException:
@@ -161,17 +159,12 @@ class Browser:
             elif told["method"] in ("Runtime.exceptionThrown", "Log.entryAdded", "Runtime.consoleAPICalled"):
                 self.said.append(json.dumps(told["params"]))
                 self.has_failed = self.has_failed or told["method"] == "Runtime.exceptionThrown"
-            elif told["method"] == "Tracing.dataCollected":
-                self._traced += told["params"]["value"]
-            elif told["method"] == "Tracing.tracingComplete":
-                self._is_traced.set()
             elif told["method"] in ("Inspector.targetCrashed", "Target.detachedFromTarget"):
                 self._end(told["method"])
         self._end("its socket closed")
 
     def _end(self, why: str) -> None:
         self._why_ended = self._why_ended or why
-        self._is_traced.set()
         for answer in self._answers.values():
             if not answer.done():
                 answer.set_exception(Ended(why))
@@ -224,14 +217,6 @@ class Browser:
         with suppress(Reloaded):
             return self.does(f"(() => {{ try {{ return Boolean({condition}); }} catch {{ return false; }} }})()")
         return False
-
-    @contextmanager
-    def traced(self) -> Iterator[list[dict[str, Any]]]:
-        """Record what Chromium's own tracing says of the page; the events are there at the end."""
-        self.send("Tracing.start", transferMode="ReportEvents", categories="devtools.timeline")
-        yield self._traced
-        self.send("Tracing.end")
-        self._is_traced.wait()
 
     def picture(self) -> bytes:
         """Return a PNG of the page."""

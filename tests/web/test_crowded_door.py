@@ -113,18 +113,6 @@ def test_any_request_is_refused_without_a_traceback(serving, request_, cuts, sto
     assert "Traceback" not in "".join(serving._said)
 
 
-@KINDS
-@given(st.lists(st.binary(min_size=2, max_size=200), max_size=4))
-def test_any_bytes_behind_the_handshake_leave_the_next_page_its_frame(serving, pieces):
-    head = (
-        f"GET /feed HTTP/1.1\r\nHost: {serving.door.split('/')[2]}\r\nCookie: {serving.cookie}\r\nConnection: Upgrade"
-    )
-    head += "\r\nUpgrade: websocket\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n"
-    answer(serving, head.encode(), *pieces)
-    assert isinstance(asyncio.run(_spoken(serving, [])), FrameMessage)
-    assert not any("internal error" in line or "Traceback" in line for line in serving._said)
-
-
 NUMBERS = st.floats(width=64) | st.integers(-(2**70), 2**70) | st.sampled_from([1e-320, 1e20, 10**400])
 JSONS = st.recursive(
     NUMBERS | st.text(max_size=8) | st.none() | st.booleans(),

@@ -13,7 +13,6 @@ from hmdwarp.study.design import PAIR, SHIPPED, Comparison, Design, design_from_
 from hmdwarp.study.design.orders import williams
 from hmdwarp.study.respondents import Model, RatingModel, answers_of
 from hmdwarp.study.scales import Scale, load_scale
-from hmdwarp.study.store import SIMULATED
 
 from ..plans import text_of
 
@@ -106,27 +105,6 @@ def simulated(design: Design, model: Model, study: int, people: int = 14) -> Rat
         for (a, b), answer in zip(cohort.order[k], cohort.answers[scale.name][k], strict=True)
     ]
     return Ratings(rows=(), scale_info={}, preferences=said, families=design.families)
-
-
-def simulate_study(design: Design, model: Model, n: int, seed: int) -> Ratings:
-    """n people in each part, who are all other people."""
-    rows: list[dict] = []
-    for part in design.parts:
-        cohort = cohort_of(model, design, part.name, range(n), seed)
-        for person, order in enumerate(cohort.order[..., 0]):
-            shown = [part.conditions[number] for number in order]
-            for trial, condition in enumerate(shown):
-                about = {
-                    "participant": f"{part.name}-{person + 1}", "part": part.name, "condition": condition.name,
-                    "reference": condition.reference, "repeat": trial // len(part.conditions) + 1,
-                    "place": trial + 1, "previous": shown[trial - 1].name if trial else "",
-                }  # fmt: skip
-                for scale in design.scales:
-                    value = cohort.answers[scale.name][person, trial]
-                    rated = {"value": None, "why_missing": "x"} if np.isnan(value) else {"value": float(value)}
-                    rows.append({"scale": scale.name, "why_missing": "", **about, **rated})
-    measures = {scale.name: ScaleInfo.of(scale) for scale in design.scales}
-    return Ratings(rows=rows, scale_info=measures, families=design.families, origin=SIMULATED)
 
 
 def unlimited(design: Design) -> Design:

@@ -168,8 +168,6 @@ def test_a_session_is_read_by_the_plan_it_was_run_by(contents):
     assert (found.rows.loc[found.rows["condition"] == "warped", "warp"] == "forward").all()
 
 
-pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install '.[study]')")
-
 NASTY = "<script>alert('x')</script> $\\frac{1}{2}$ & \"q\""
 
 

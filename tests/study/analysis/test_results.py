@@ -151,16 +151,6 @@ def written(path: Path, rows: list[dict[str, object]], delimiter: str = ",", bom
     return path
 
 
-@given(st.binary(max_size=300))
-def test_any_bytes_give_ratings_or_an_input_error(tmp_path_factory, data):
-    path = tmp_path_factory.getbasetemp() / "any.csv"
-    path.write_bytes(b"participant,condition,rating\n" + data)
-    try:
-        from_csv(path)
-    except InputError as error:
-        assert "\n" not in str(error)
-
-
 def test_conditions_of_settings_are_compared_at_each_latency_or_as_requested():
     found = from_csv(PUBLISHED)
     assert found.conditions("run 1")[0] == "none, 200 ms"

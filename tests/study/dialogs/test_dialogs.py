@@ -32,8 +32,6 @@ from hmdwarp.study.dialogs.dialog_panels import (
     TEXT,
     WIDTH,
     BreakDialog,
-    Button,
-    Canvas,
     ConsentDialog,
     LineLayout,
     MenuDialog,
@@ -326,32 +324,6 @@ def test_words_do_not_overlap():
                 for (a, half_a), (b, half_b) in pairwise(zip(placed, halves, strict=True)):
                     assert b.x - half_b - (a.x + half_a) > 4
             assert {button.value for button in layout._placed} == set(scale.anchors)
-
-
-def test_the_buttons_of_a_panel_are_where_they_are_drawn():
-    asked = asked_of(SHIPPED[0])
-    asked.handle(said(("press", place_of(asked.panel(), "skip"))))
-    assert asked.panel().skipping and not asked.confirmed
-    asked.handle(said(("press", place_of(asked.panel(), "back"))))
-    assert not asked.panel().skipping
-    asked.handle(said("skip"))
-    asked.handle(said(("press", place_of(asked.panel(), "yes"))))
-    assert asked.skipped
-
-
-def test_a_button_s_text_keeps_clear_of_its_edges():
-    """By 8 pixels on each side: a smaller size is taken instead."""
-    text = "End the session"
-    for px in (28, 24):
-        for spare in (0, 8, 15, 16):
-            right = 10 + width_of(text, px) + spare
-            inks = []
-            for written in (text, ""):
-                canvas = Canvas(60)
-                Button("stop", written, 10, 2, right).draw(canvas, marked=False)
-                inks.append(canvas.ink().copy())
-            at = np.flatnonzero((inks[0] != inks[1]).any(axis=0))
-            assert len(at) and at.min() >= 10 + 7 and at.max() <= right - 7
 
 
 def test_a_panel_lies_in_the_middle_and_a_text_at_the_bottom(gpu):

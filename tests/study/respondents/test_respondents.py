@@ -101,12 +101,6 @@ def test_a_file_is_read_with_its_defaults():
     assert (model.sickness.start, model.dropout, model.pause, model.median_s) == (0.1, 0.02, 0.0, 2.0)
 
 
-@given(st.text(max_size=200))
-def test_no_text_gives_another_error(text):
-    with pytest.raises(InputError):
-        model_from_text(text, "people.toml")
-
-
 def test_a_lack_of_the_model_is_named():
     design, model = load_design("quick"), model_from_text(TEXT, "people.toml")
     told = r"people.toml: \[rating.grade.means\]: no mean for late, turned, warped, reference of part"

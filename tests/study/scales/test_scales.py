@@ -9,7 +9,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from together import together
 
@@ -28,7 +28,6 @@ from hmdwarp.study.scales import (
     scored,
 )
 
-SSQ = (FOLDER / "ssq.toml").read_text(encoding="utf-8")
 GRADE = (FOLDER / "grade.toml").read_text(encoding="utf-8")
 
 
@@ -206,15 +205,3 @@ def test_one_s_own_file_unknown_names_and_absent_files(tmp_path):
     ):
         with pytest.raises((UnknownNameError, InputError), match=says):
             load_scale(name)
-
-
-@settings(max_examples=150)
-@given(st.one_of(st.binary(max_size=200), st.tuples(st.integers(0, len(SSQ) - 1), st.text(max_size=6))))
-def test_any_bytes_give_a_scale_or_one_clear_line(tmp_path_factory, change):
-    """Random bytes, and a real file with a few characters overwritten anywhere."""
-    text = change if isinstance(change, bytes) else SSQ[: change[0]] + change[1] + SSQ[change[0] + len(change[1]) :]
-    data = text if isinstance(text, bytes) else text.encode("utf-8", "surrogatepass")
-    try:
-        assert isinstance(load_text(tmp_path_factory.getbasetemp(), data), Scale)
-    except InputError as error:
-        assert "mine.toml:" in str(error) and "\n" not in str(error)

@@ -51,7 +51,6 @@ while True:
     if json.loads(text)["event"] == sys.argv[2]:
         break
 """
-MARKERS = []
 AHEAD_NS = 10**15  # of the display's clock; a double of so many seconds still tells 0.2 us apart
 ROUNDING_S = 1e-8  # a double of the seconds that a machine is up: below 2^-53 of a year
 
