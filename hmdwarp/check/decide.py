@@ -33,7 +33,7 @@ from .search import (
 from .stated_frames import Array, Reading, Stated
 
 CLOSE = 0.05  # share of the depth within which two depths agree
-WELL, _ENOUGH = 0.85, 0.6  # of the depths agree: what is left are small numbers; one convention explains the frames
+_WELL, _ENOUGH = 0.85, 0.6  # of the depths agree: what is left are small numbers; one convention explains the frames
 AGREE = 0.5  # share of the depths: below it, frames do not agree
 ALIKE = 0.3  # correlation of the brightness: frames with less do not agree
 _MOST_CHANGES = 2  # that are named
@@ -70,7 +70,7 @@ def _from_infinity(overlap: Overlap, reading: Reading) -> Array:
 def explains(search: Search, reading: Reading) -> bool:
     """Return whether a reading leaves small numbers alone to be found."""
     share = agreement(search, reading)
-    return share >= WELL or (share >= _ENOUGH and likeness(search, reading) >= ALIKE)
+    return share >= _WELL or (share >= _ENOUGH and likeness(search, reading) >= ALIKE)
 
 
 def check(stated: Stated) -> Answer:
@@ -88,7 +88,7 @@ def check(stated: Stated) -> Answer:
     """
     search, plain = Search(stated), Reading()
     tried = [plain, *search.discrete(plain)]
-    well = agreement(search, search.best(tried)) >= WELL
+    well = agreement(search, search.best(tried)) >= _WELL
     tried += _best_of(search, search.usual_numbers(plain)[:1])
     tried += [search.best(way) for way in (*search.cameras(plain), search.late(plain)) if way]
     if not well:
@@ -101,13 +101,13 @@ def check(stated: Stated) -> Answer:
             tried += _two(search, plain)
     readings = list(dict.fromkeys([*(fitted.reading for fitted in _close(search, tried)), plain]))
     noise = Noise.of(search.fine.residuals(readings[0]))
-    numbers = NumberSearch(search, _simplest(search, _candidates(search, readings, noise)), readings)
+    numbers = _NumberSearch(search, _simplest(search, _candidates(search, readings, noise)), readings)
     best, rivals, besides = numbers.found()
     # One more convention without a number, where that is surely better.
     steps = _candidates(search, list(search.discrete(best.reading)), numbers.noise)
     better = min(steps, key=lambda one: one.total)
     if margin(best, better) > SURE and _simplest(search, [best, better]) is not best:
-        numbers = NumberSearch(search, better, [better.reading, *readings])
+        numbers = _NumberSearch(search, better, [better.reading, *readings])
         best, rivals, besides = numbers.found()
     # Between what the numbers explain, and other readings that were close.
     close = _candidates(search, readings, numbers.noise)
@@ -120,7 +120,7 @@ def check(stated: Stated) -> Answer:
             other
             for other in close
             if 0 < other.changes <= best.changes
-            and without_numbers(other.reading) != without_numbers(best.reading)
+            and _without_numbers(other.reading) != _without_numbers(best.reading)
             and differences(other.reading) != differences(best.reading)
             and margin(other, best) < SURE
             and agreement(search, other.reading) >= _AS_GOOD * most
@@ -130,7 +130,7 @@ def check(stated: Stated) -> Answer:
     shares = explained(search, best.reading), explained(search, plain)
     faults: tuple[str, ...] = ()
     if agreement(search, best.reading) >= AGREE:
-        faults = standing(search, numbers.noise, best, _numbers_of(best.reading), without_numbers(best.reading))
+        faults = standing(search, numbers.noise, best, _numbers_of(best.reading), _without_numbers(best.reading))
     return Answer(search, best, rivals, besides, faults, shares)
 
 
@@ -220,7 +220,7 @@ def numbered(reading: Reading) -> tuple[str, ...]:
     return tuple("centre" if name == "pixel" else name for name in differences(reading) if name in (*FITTED, "pixel"))
 
 
-def without_numbers(reading: Reading) -> Reading:
+def _without_numbers(reading: Reading) -> Reading:
     """Return the reading with the conventions of FITTED as stated."""
     while names := numbered(reading):  # below other planes there may be a scale
         reading = restored(reading, names[0])
@@ -244,11 +244,11 @@ def matters(search: Search, name: str, found: Reading) -> bool:
     return abs(math.log(found.factor)) > _SCALE
 
 
-class NumberSearch:
+class _NumberSearch:
     """Readings that differ from a leader in its numbers alone, each fitted to the fine pictures."""
 
     def __init__(self, search: Search, leader: Candidate, seeds: Sequence[Reading]) -> None:
-        self.search, self.base = search, without_numbers(leader.reading)
+        self.search, self.base = search, _without_numbers(leader.reading)
         self._always = ("factor", "offset") if "encoding" in differences(self.base) else ()
         known = search.steps(self.base)
         self._names = [
@@ -256,7 +256,7 @@ class NumberSearch:
             for name, numbers in FITTED.items()
             if set(numbers) <= set(known) and not (self._always and name in ("scale", "planes"))
         ]
-        self._seeds = [self.base, *(seed for seed in seeds if without_numbers(seed) == self.base)]
+        self._seeds = [self.base, *(seed for seed in seeds if _without_numbers(seed) == self.base)]
         if differences(self.base):
             ways = (*search.cameras(self.base), search.late(self.base))
             self._seeds += [search.best(way) for way in ways if way]
@@ -565,7 +565,7 @@ class Answer:
                 f"as stated, {share} as found ({frames})"
             )
         but, expected = "however they are read", "a scene that stands still, seen from places nearby"
-        if self.agreement >= WELL:
+        if self.agreement >= _WELL:
             but, expected = "but not in colour", "pictures of the same things, with detail that can be compared"
         return (
             f"no agreement: {frames} agree in {share} of the depths that two of them show, {but}; expected {expected}"

@@ -33,13 +33,13 @@ Size = tuple[int, int]
 FILE = "motion.json"
 NDC, UV, PIXELS, METRES = "ndc", "uv", "pixels", "metres"
 DOWN, UP = "down", "up"
-FORWARD, BACKWARD = "current - previous", "previous - current"
+_FORWARD, BACKWARD = "current - previous", "previous - current"
 OUT, IN = "out", "in"
 # Each property of a convention, what it may be, and its name in text; the first is the extension's.
 PROPERTIES = {
     "unit": ((NDC, UV, PIXELS, METRES), "unit"),
     "y": ((DOWN, UP), "y axis"),
-    "sign": ((FORWARD, BACKWARD), "direction"),
+    "sign": ((_FORWARD, BACKWARD), "direction"),
     "jitter": ((OUT, IN), "jitter"),
 }
 _ANGLES = ("angleLeft", "angleRight", "angleDown", "angleUp")
@@ -56,7 +56,7 @@ class Convention:
 
     unit: str = NDC  # NDC: -1 to 1; UV: 0 to 1; PIXELS of colour; METRES along the eye's axes
     y: str = DOWN
-    sign: str = FORWARD
+    sign: str = _FORWARD
     jitter: str = OUT  # whether the sub-pixel jitter of the projections is in the vectors
 
     def __attrs_post_init__(self) -> None:
@@ -279,13 +279,13 @@ def _array(path: Path) -> NDArray[Any]:
 
 _ACROSS, _DOWN = 20, 15  # blocks of a picture
 BLOCKS = _ACROSS * _DOWN
-SCORED = 5000  # pixels of each frame by which candidates are told apart
+_SCORED = 5000  # pixels of each frame by which candidates are told apart
 _EDGE_PX, _EDGE = 3, 1.15  # pixels around, and ratio of distances: another surface is near
 _MISSED = 0.02  # of the brightness, beside what 0.75 pixels make: something else was there
 _FAR = 1e-3  # 1/m: what differs by less is equally far
 _SURFACE = 0.06  # share of the depth: what differs by less may be one surface that came nearer by itself
 
-CANDIDATES = tuple(Convention(*values) for values in itertools.product(*(values for values, _ in PROPERTIES.values())))
+_CANDIDATES = tuple(Convention(*values) for values in itertools.product(*(values for values, _ in PROPERTIES.values())))
 
 
 @attrs.frozen(eq=False)
@@ -334,7 +334,7 @@ class Pair:
     def still(self) -> Array:
         """(h, w, 3) places in the eye before of what is here, had it stood still, times 1/m."""
         turn = self.then_view.pose.inverse() @ self.now.view.pose
-        along = along_of(self.now.view, self.uv - self.now.jitter / np.array(self.now.size))
+        along = _along_of(self.now.view, self.uv - self.now.jitter / np.array(self.now.size))
         return along @ turn.rotation_matrix.T + turn.position_m * np.nan_to_num(self.inverse)[..., None]
 
     @cached_property
@@ -352,11 +352,11 @@ class Pair:
         now, before = (np.array(frame.jitter) / frame.size for frame in (self.now, self.before))
         off = convention.jitter == OUT
         here = self.uv - now if off else self.uv
-        way = self.vectors * (1 if convention.sign == FORWARD else -1)
+        way = self.vectors * (1 if convention.sign == _FORWARD else -1)
         way = way * np.array((1, 1 if convention.y == DOWN else -1, 1))[: way.shape[2]]
         with np.errstate(all="ignore"):
             if convention.unit == METRES:
-                place = along_of(self.now.view, here) / self.inverse[..., None]
+                place = _along_of(self.now.view, here) / self.inverse[..., None]
                 place[..., :2] -= way[..., :2] * (1, -1)
                 depth = place[..., 2] - way[..., 2] if way.shape[2] > 2 else self.still[..., 2] / self.inverse
                 left, right, down, up = self.then_view.fov.tangents
@@ -372,7 +372,7 @@ def grid(size: Size) -> Array:
     return np.stack(np.meshgrid(*((np.arange(count) + 0.5) / count for count in size)), axis=-1)
 
 
-def along_of(view: View, uv: Array) -> Array:
+def _along_of(view: View, uv: Array) -> Array:
     """Return (.., 3) directions in the eye through places of the picture, z = -1."""
     left, right, down, up = view.fov.tangents
     x, y = left + uv[..., 0] * (right - left), up - uv[..., 1] * (up - down)
@@ -464,7 +464,7 @@ _MOST = {
 
 
 @attrs.frozen(eq=False)
-class Contradictions:
+class _Contradictions:
     """What pictures and depths say against the best candidate."""
 
     blocks: float  # of the blocks that tell a shift, those but one that show it in frame after frame
@@ -507,7 +507,7 @@ class Verdict:
     best: Convention
     rivals: tuple[Convention, ...]  # those that fit as well with as few changes
     properties: tuple[Property, ...]
-    contradictions: Contradictions
+    contradictions: _Contradictions
     # Slope of the change of depth over the vectors' z, and its standard error; None without z.
     z: tuple[float, float] | None
 
@@ -605,10 +605,10 @@ def check_motion(frames: MotionFrames) -> Verdict:
         The best of all conventions, those that fit as well, and what contradicts it.
     """
     full = [Pair(now, before) for now, before in frames.pairs]
-    pairs = [attrs.evolve(one, step=max(1, round(math.sqrt(one.vectors[..., 0].size / SCORED)))) for one in full]
-    costs = {one: np.concatenate([Found.of(pair, one).costs() for pair in pairs]) for one in CANDIDATES}
+    pairs = [attrs.evolve(one, step=max(1, round(math.sqrt(one.vectors[..., 0].size / _SCORED)))) for one in full]
+    costs = {one: np.concatenate([Found.of(pair, one).costs() for pair in pairs]) for one in _CANDIDATES}
     least = min(costs, key=lambda one: float(costs[one].sum()))
-    alike = [one for one in CANDIDATES if _margin(costs[least], costs[one]) < SURE]
+    alike = [one for one in _CANDIDATES if _margin(costs[least], costs[one]) < SURE]
     stated = attrs.astuple(frames.stated)
     order = {one: (sum(map(operator.ne, attrs.astuple(one), stated)), float(costs[one].sum())) for one in alike}
     best = min(alike, key=order.__getitem__)
@@ -636,7 +636,7 @@ def _margin(better: Array, worse: Array) -> float:
     return float(apart.mean()) / error if error > 0 else 0.0
 
 
-def _contradictions(found: list[Found]) -> Contradictions:
+def _contradictions(found: list[Found]) -> _Contradictions:
     shift, matrix, known, off, way = (np.stack(each) for each in zip(*map(_shifts, found), strict=True))
     # Edges without antialiasing seem to move by chance: each time elsewhere.
     length = np.maximum(np.linalg.norm(shift, axis=-1, keepdims=True), 1e-9)
@@ -655,7 +655,7 @@ def _contradictions(found: list[Found]) -> Contradictions:
     slope = (weight * way * shift).sum(axis=0) / total
     error = np.sqrt(((weight * way * (shift - slope * way)) ** 2).sum(axis=0)) / total
     share, factor = max(0, wrong - 1) / max(judged, 1), (1 + slope).tolist()
-    return Contradictions(share, drift, elsewhere, missed, judged, factor, error.tolist())
+    return _Contradictions(share, drift, elsewhere, missed, judged, factor, error.tolist())
 
 
 def _shifts(found: Found) -> tuple[NDArray[Any], ...]:

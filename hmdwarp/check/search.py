@@ -16,7 +16,7 @@ from .conventions import differences
 from .stated_frames import AXES, BUFFER, METRES, Array, Reading, Sheet, Stated
 
 Indices = NDArray[np.int64]
-TILES = 3  # a side: parts of a picture that err together
+_TILES = 3  # a side: parts of a picture that err together
 WIDE = "wide"  # both wide_x and wide_y by one factor: pixels are as square as stated
 TURN, DEPTH_SHIFT = ("turn_x", "turn_y", "turn_z"), ("depth_x", "depth_y")  # of faults that are no convention
 LOGARITHMS = ("factor", "wide_x", "wide_y", WIDE, "depth_wide")  # fitted as such
@@ -29,7 +29,7 @@ _DEPTH, _COLOUR = 0.04, 0.7  # differences that count half: of the depth; of the
 
 
 @attrs.frozen(eq=False)
-class Residuals:
+class _Residuals:
     """Of all points, (pairs, points); NaN where there is nothing to compare."""
 
     depth: Array  # relative difference of the inverse depths
@@ -71,11 +71,11 @@ class Overlap:
         at = np.stack(np.divmod(chosen, self._width))
         self.row, self.column = np.minimum(at + rng.random(at.shape) * between, sides[:, None, None] - 1)
         self._from, self._to = pairs[:, :1], pairs[:, 1:]
-        row, column = at * TILES // sides[:, None, None]
-        self.block = (np.arange(len(pairs))[:, None] * TILES + row) * TILES + column
-        self.blocks = len(pairs) * TILES**2
+        row, column = at * _TILES // sides[:, None, None]
+        self.block = (np.arange(len(pairs))[:, None] * _TILES + row) * _TILES + column
+        self.blocks = len(pairs) * _TILES**2
 
-    def residuals(self, reading: Reading) -> Residuals:
+    def residuals(self, reading: Reading) -> _Residuals:
         """Return how each point disagrees with what the other frame has there."""
         turn, place = reading.poses(self.stated)
         one, other = self.pairs.T
@@ -124,7 +124,7 @@ class Overlap:
         colour = pictured - here
         pixel = np.stack([column, line], -1)
         sky = seen & (size == 0) & (depth == 0)
-        return Residuals(np.where(seen, depth, np.nan), np.where(seen, colour, np.nan), here, seen, sky, pixel)
+        return _Residuals(np.where(seen, depth, np.nan), np.where(seen, colour, np.nan), here, seen, sky, pixel)
 
     def score(self, reading: Reading) -> Array:
         """Return the agreement of each point, 0 to 1; NaN where nothing can be said."""
@@ -179,7 +179,7 @@ class Noise:
     colour: float
 
     @classmethod
-    def of(cls, found: Residuals) -> Noise:
+    def of(cls, found: _Residuals) -> Noise:
         """Return those of residuals: from their medians, which outliers do not move.
 
         Sky on sky, which agrees under many readings, tells nothing of it.
@@ -188,7 +188,7 @@ class Noise:
         return cls(*(max(1.48 * _median(one, math.inf), 1e-4) for one in both))
 
 
-def cost(found: Residuals, noise: Noise) -> Array:
+def cost(found: _Residuals, noise: Noise) -> Array:
     """Return the disagreement of each point, NaN where nothing can be said."""
     with np.errstate(invalid="ignore"):
         each = [
@@ -252,7 +252,7 @@ def fit(overlap: Overlap, start: Reading, steps: dict[str, float]) -> Fitted:
     return Fitted(changed(start, names, change.tolist()), names, error)
 
 
-PAIRS, COARSE_POINTS, FINE_POINTS = 16, 160, 400  # compared pairs of frames; points of each
+PAIRS, _COARSE_POINTS, FINE_POINTS = 16, 160, 400  # compared pairs of frames; points of each
 SURE = 3.5  # standard errors by which the better of two readings has to be better
 _LONG = 8  # frames of a track whose ends are not compared
 _FEWEST = 4  # blocks that say something together
@@ -306,7 +306,7 @@ class Search:
         chosen *= 2 if len(chosen) == 1 else 1
         pairs = np.array([[frames[at] for at in pair[:: 1 if k % 2 else -1]] for k, pair in enumerate(chosen)])
         points = max(1, PAIRS // len(pairs))
-        self.coarse = Overlap(stated, stated.coarse, pairs, COARSE_POINTS * points, between=False)
+        self.coarse = Overlap(stated, stated.coarse, pairs, _COARSE_POINTS * points, between=False)
         self.middle = Overlap(stated, stated.coarse, pairs, FINE_POINTS * points, between=True)
         same = stated.coarse.numbers.shape == stated.fine.numbers.shape
         self.fine = self.middle if same else Overlap(stated, stated.fine, pairs, FINE_POINTS * points, between=True)

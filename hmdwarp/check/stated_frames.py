@@ -267,9 +267,9 @@ def _chosen(frames: Sequence[RecordedFrame]) -> range:
 
 
 METRES, BUFFER = "metres", "buffer"
-AS_STATED = "openxr"  # axes of what hmdwarp reads
+_AS_STATED = "openxr"  # axes of what hmdwarp reads
 # Of the presets of --axes, one of each that has other axes of the camera.
-AXES = (AS_STATED, "opencv", "unity", "ros", "unreal", "aria", "euroc")
+AXES = (_AS_STATED, "opencv", "unity", "ros", "unreal", "aria", "euroc")
 _MIRROR = np.diag([1.0, 1.0, -1.0])
 _HALF = 0.25  # pixels about half of one in both directions: what is off by as much is a convention
 
@@ -286,7 +286,7 @@ class Reading:
 
     order: str = "xyzw"  # order of the quaternion: xyzw, or wxyz
     inverse: bool = False  # whether the pose takes points of the world to the eye
-    axes: str = AS_STATED  # of eye and world: a name of AXES, or right,up,forward
+    axes: str = _AS_STATED  # of eye and world: a name of AXES, or right,up,forward
     colour_rows_up: bool = False  # whether the rows run from bottom to top
     depth_rows_up: bool = False
     eyes_swapped: bool = False  # whether each frame has the other eye's pose

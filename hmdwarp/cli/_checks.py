@@ -31,7 +31,7 @@ from ..errors import HmdwarpError
 from ..gpu import HOW_TO_GET_GL, WANTED, Gpu, egl
 from ..resources import __version__, install_line
 
-PROBE_SECONDS = 30.0  # a cold runtime may start its whole compositor before it answers
+_PROBE_SECONDS = 30.0  # a cold runtime may start its whole compositor before it answers
 # Missing: replay cannot run without it. Optional: absent, and only some commands need it.
 OK, MISSING, OPTIONAL = "ok", "missing", "optional"
 Facts = Mapping[str, Any]  # of a probe, `error` is set where something is missing
@@ -64,7 +64,7 @@ def examine() -> list[Finding]:
     return [python, packages, _opengl(gl), _devices(devices), _openxr(openxr), _window(window), *extras]
 
 
-def run_probe(question: str, seconds: float = PROBE_SECONDS) -> Facts:
+def run_probe(question: str, seconds: float = _PROBE_SECONDS) -> Facts:
     """Return the last words of a probe, with `error` where it crashed or hung."""
     # -P: a numpy.py in the user's folder must not be taken for the real one.
     command = [sys.executable, "-P", "-m", "hmdwarp.cli._checks", question]
@@ -161,7 +161,7 @@ def _window(known: Facts) -> Finding:
 
 
 # Both are needed for a 64-bit depth test in one pass; there is a 32-bit path for everything.
-INT64_EXTENSIONS = {"GL_ARB_gpu_shader_int64", "GL_NV_shader_atomic_int64"}
+_INT64_EXTENSIONS = {"GL_ARB_gpu_shader_int64", "GL_NV_shader_atomic_int64"}
 
 
 def _report(known: Mapping[str, object]) -> None:
@@ -173,7 +173,7 @@ def _probe_gl() -> None:
     try:
         with Gpu() as gpu:
             about = {"renderer": gpu.renderer, "version": gpu.version, "software": gpu.is_software}
-            about |= {"clock": gpu.timer.clock, "atomic_int64": gpu.gl.extensions >= INT64_EXTENSIONS}
+            about |= {"clock": gpu.timer.clock, "atomic_int64": gpu.gl.extensions >= _INT64_EXTENSIONS}
             _report(about | {"max_texture_size": gpu.gl.info["GL_MAX_TEXTURE_SIZE"]})
     except HmdwarpError as error:
         _report({"error": str(error)})

@@ -298,7 +298,7 @@ _ONE = {"lenses": "lens", "studies": "study", "axes": "axes preset"}
 
 
 @attrs.frozen
-class ListOptions(Declared):
+class _ListOptions(Declared):
     """What to list, and how."""
 
     kind: str | None = option(None, f"One of {', '.join(KINDS)}; by default these kinds are listed.", positional=True)
@@ -307,12 +307,12 @@ class ListOptions(Declared):
     markdown: bool = option(False, "Everything, as a Markdown table.")
 
 
-@takes(ListOptions)
+@takes(_ListOptions)
 def list_(said: Said) -> None:
     """List what there is to choose from: warps, fills, scenes, recordings, studies and more."""
     from ._show import in_columns, paragraph
 
-    options = ListOptions.of(said)
+    options = _ListOptions.of(said)
     if options.json and options.markdown:
         raise InputError("--json and --markdown: expected one of the two")
     rows = _rows(options.kind, options.name)

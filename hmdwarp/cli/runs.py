@@ -119,7 +119,7 @@ def proxy(said: Said) -> None:
 
 
 @attrs.frozen
-class DiffOptions(Declared):
+class _DiffOptions(Declared):
     """Two replays, and how near they have to be."""
 
     first: Path = option(attrs.NOTHING, "Folder of a replay, or its summary.json alone.", positional=True)
@@ -129,13 +129,13 @@ class DiffOptions(Declared):
     force: bool = force_field()
 
 
-@takes(DiffOptions, JSON)
+@takes(_DiffOptions, JSON)
 def diff(said: Said) -> None:
     """Compare two replays: set-up, figures, refreshes and pictures, times left out.
 
     Ends with status 4 where they differ.
     """
-    options = DiffOptions.of(said)
+    options = _DiffOptions.of(said)
     found = options.tolerance.diff(report.StoredRun.of(options.first), report.StoredRun.of(options.second))
     if options.out is not None:
         with report.OutputFolder(options.out, owned=(report.DIFF_PAGE,), last="diff.json", force=options.force) as out:

@@ -31,7 +31,7 @@ def _study_field() -> Any:
 
 
 @attrs.frozen
-class DataOptions(Declared):
+class _DataOptions(Declared):
     """Whose data of a study."""
 
     store: Path | None = option(None, "Folder of the study's data; by default STUDY-data beside its file.", kind=Path)
@@ -39,7 +39,7 @@ class DataOptions(Declared):
     simulated: bool = option(False, "Simulated sessions instead of those of participants.")
 
 
-_STORE, _PILOT, _SIMULATED = (getattr(attrs.fields(DataOptions), name) for name in ("store", "pilot", "simulated"))
+_STORE, _PILOT, _SIMULATED = (getattr(attrs.fields(_DataOptions), name) for name in ("store", "pilot", "simulated"))
 
 
 def _origin_of(pilot: bool, simulated: bool) -> str:
@@ -52,7 +52,7 @@ def _origin_of(pilot: bool, simulated: bool) -> str:
 
 
 @attrs.frozen
-class InitOptions(Declared):
+class _InitOptions(Declared):
     """A new plan."""
 
     name: str = option(attrs.NOTHING, "Name of the study; the file is NAME.toml.", positional=True, metavar="NAME")
@@ -60,18 +60,18 @@ class InitOptions(Declared):
 
 
 @app.command()
-@takes(InitOptions)
+@takes(_InitOptions)
 def init(said: Said) -> None:
     """Write NAME.toml, a commented plan that can be run as it is."""
     from ..study.design import write_new_plan
 
-    options = InitOptions.of(said)
+    options = _InitOptions.of(said)
     path = write_new_plan(options.name, Path(), force=options.force)
     typer.echo(f"written: {path}; change it, then: hmdwarp study plan {path}")
 
 
 @attrs.frozen
-class PlanOptions(Declared):
+class _PlanOptions(Declared):
     """What to print of a plan."""
 
     study: str = _study_field()
@@ -81,7 +81,7 @@ class PlanOptions(Declared):
 
 
 @app.command()
-@takes(PlanOptions)
+@takes(_PlanOptions)
 def plan(said: Said) -> None:
     """Check a study's file and print conditions, steps, time, orders, scales and comparisons."""
     from ..report import counted
@@ -92,7 +92,7 @@ def plan(said: Said) -> None:
         typer.echo(f"\n{typer.style(heading, bold=True)}")
         in_columns(rows, indent=2)
 
-    options = PlanOptions.of(said)
+    options = _PlanOptions.of(said)
     design = study.load_design(options.study)
     if options.json:
         typer.echo(as_json(study.design_as_json(design) | {"power": study.power_as_json(design, options.people)}))
@@ -155,7 +155,7 @@ def run(said: Said) -> None:
 
 
 @attrs.frozen
-class MeasureCommand(Declared):
+class _MeasureCommand(Declared):
     """A study, and how to measure it."""
 
     study: str = _study_field()
@@ -165,7 +165,7 @@ class MeasureCommand(Declared):
 
 
 @app.command()
-@takes(MeasureCommand, QUIET)
+@takes(_MeasureCommand, QUIET)
 def measure(said: Said) -> None:
     """Replay each trial's head trace and measure its pictures against zero latency; resumable."""
     from ..experiments.sweep import raise_failed
@@ -174,7 +174,7 @@ def measure(said: Said) -> None:
     from ..study.store import Store, folder_to_read
     from ._show import steps
 
-    wanted, quiet = MeasureCommand.of(said), said["quiet"]
+    wanted, quiet = _MeasureCommand.of(said), said["quiet"]
     origin = _origin_of(wanted.options.pilot, wanted.simulated)
     design = load_design(wanted.study, checked=False)  # only its name is needed
     with (
@@ -188,13 +188,13 @@ def measure(said: Said) -> None:
 
 
 @attrs.frozen
-class ExportCommand(Declared):
+class _ExportCommand(Declared):
     """An export."""
 
     study: str = _study_field()
     out: Path = out_field(attrs.NOTHING, "A new folder for the table and the BIDS data set.")
     force: bool = force_field()
-    data: DataOptions = group(DataOptions)
+    data: _DataOptions = group(_DataOptions)
     parquet: bool | None = option(
         None, "Write ratings.parquet; by default where pyarrow is installed.", off="--no-parquet"
     )
@@ -202,7 +202,7 @@ class ExportCommand(Declared):
 
 
 @app.command()
-@takes(ExportCommand, QUIET)
+@takes(_ExportCommand, QUIET)
 def export(said: Said) -> None:
     """Write the ratings as CSV and Parquet, and the study as BIDS with the head motion."""
     from ..study.design import load_design
@@ -211,7 +211,7 @@ def export(said: Said) -> None:
     from ..study.store import Store, folder_to_read
     from ._show import steps
 
-    wanted = ExportCommand.of(said)
+    wanted = _ExportCommand.of(said)
     origin = _origin_of(wanted.data.pilot, wanted.data.simulated)
     design = load_design(wanted.study, checked=False)
     with Store(folder_to_read(design, wanted.data.store, origin), study=design.name) as data:
@@ -224,7 +224,7 @@ def export(said: Said) -> None:
 
 
 @attrs.frozen
-class AnalyseOptions(Declared):
+class _AnalyseOptions(Declared):
     """An analysis."""
 
     sources: tuple[str, ...] = option(
@@ -254,7 +254,7 @@ class AnalyseOptions(Declared):
 
 
 @app.command()
-@takes(AnalyseOptions, JSON, QUIET)
+@takes(_AnalyseOptions, JSON, QUIET)
 def analyse(said: Said) -> None:
     """Analyse ratings: exact tests, intervals, order effects; writes tables, plots and one page.
 
@@ -265,7 +265,7 @@ def analyse(said: Said) -> None:
     from ..study.analysis.findings import Resampling, claims_for
     from ..study.analysis.long_table import SourceOptions, ratings_from_all
 
-    options = AnalyseOptions.of(said)
+    options = _AnalyseOptions.of(said)
     origin = _origin_of(options.pilot, options.simulated) if options.pilot or options.simulated else ""
     missing = tuple(filter(None, map(str.strip, options.missing.split(","))))
     pairs = [pair.partition("=") for pair in filter(None, options.columns.split(","))]
@@ -337,23 +337,23 @@ def _print(data: dict[str, Any]) -> None:
 
 
 @attrs.frozen
-class WithdrawOptions(Declared):
+class _WithdrawOptions(Declared):
     """Who withdraws from which study."""
 
     study: str = _study_field()
     code: str = option(attrs.NOTHING, "The participant's code.", positional=True, metavar="CODE")
-    data: DataOptions = group(DataOptions)
+    data: _DataOptions = group(_DataOptions)
     yes: bool = option(False, "Erase without confirmation.")
 
 
 @app.command()
-@takes(WithdrawOptions)
+@takes(_WithdrawOptions)
 def withdraw(said: Said) -> None:
     """Erase all ratings, events and head traces of a participant; the code stays reserved."""
     from ..study.design import load_design
     from ..study.store import BEYOND, Store, store_folder
 
-    options = WithdrawOptions.of(said)
+    options = _WithdrawOptions.of(said)
     code, origin = options.code, _origin_of(options.data.pilot, options.data.simulated)
     design: designs.Design | None = None
     try:

@@ -86,7 +86,7 @@ def _written(out: Path, track: poses.PoseTrack) -> str:
 
 
 @attrs.frozen
-class SynthOptions(Declared):
+class _SynthOptions(Declared):
     """Synthetic head motion."""
 
     kind: str = option(attrs.NOTHING, f"{MOTIONS}.", positional=True, metavar="KIND")
@@ -104,10 +104,10 @@ class SynthOptions(Declared):
 
 
 @app.command()
-@takes(SynthOptions)
+@takes(_SynthOptions)
 def synth(said: Said) -> None:
     """Write synthetic head motion: of people, or there and back at one speed."""
-    options = SynthOptions.of(said)
+    options = _SynthOptions.of(said)
     if options.out.suffix.lower() not in ("", ".csv", ".txt"):
         raise InputError(
             f"--out {options.out}: found '{options.out.suffix}'; the trace is text: expected a name in .csv"

@@ -24,7 +24,7 @@ _PIPELINE = attrs.fields(PipelineOptions)
 
 
 @attrs.frozen
-class WarpOptions(Declared):
+class _WarpOptions(Declared):
     """A frame, and how to warp it."""
 
     frame: Path = option(
@@ -64,7 +64,7 @@ class WarpOptions(Declared):
     )
 
 
-@takes(WarpOptions, JSON)
+@takes(_WarpOptions, JSON)
 def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
     import numpy as np
@@ -79,7 +79,7 @@ def warp(said: Said) -> None:
     from ..sources.sequences.frame_files import scale_of
     from ..sources.sequences.recorded import in_metres
 
-    options = WarpOptions.of(said)
+    options = _WarpOptions.of(said)
     for source in filter(None, (options.frame, options.depth, options.camera, options.to)):
         report.refuse_source(options.out, source)
     report.refuse_existing(options.out, force=options.force)
@@ -111,7 +111,7 @@ def warp(said: Said) -> None:
         typer.echo(f"note: {note}")
 
 
-def _notes(frame: sequences.FrameFile, shown: geometry.View, options: WarpOptions) -> list[str]:
+def _notes(frame: sequences.FrameFile, shown: geometry.View, options: _WarpOptions) -> list[str]:
     """Return what is assumed of a frame, and what its depth suggests."""
     import numpy as np
 

@@ -29,7 +29,7 @@ CLIENT_DEPTH, CLIENT_MODEL = "client.inverse_depth", "client.model"
 CLIENT_SOFT_BODIES = "client.soft_bodies"
 SHOWN, SHOWN_DEPTH = "shown.colour", "shown.inverse_depth"
 PANEL = "panel.colour"
-STEP_SHOWN_DEPTH = "shown depth"
+_STEP_SHOWN_DEPTH = "shown depth"
 
 
 @attrs.frozen
@@ -137,7 +137,7 @@ class Plan:
     @property
     def warps_twice(self) -> bool:
         """Whether the warp runs a second time for it, on the rendered depth."""
-        return any(step.name == STEP_SHOWN_DEPTH for step in self.steps)
+        return any(step.name == _STEP_SHOWN_DEPTH for step in self.steps)
 
     def reads_depth_after(self, fill: Choice[Fill]) -> bool:
         """Return whether a pass after that fill, or the display, reads the shown depth."""
@@ -254,7 +254,7 @@ def build_plan(
     if depth_for and not beside:  # a second run of a warp that cannot write it along with the colour
         stage = "fill" if any(SHOWN_DEPTH in each.entry.reads for each in chain) else "effects"
         reason = f"needed by {depth_for}: the rendered depth, warped as the colour is"
-        draft.add(stage, STEP_SHOWN_DEPTH, reason, PICTURE[1:], (SHOWN_DEPTH,))
+        draft.add(stage, _STEP_SHOWN_DEPTH, reason, PICTURE[1:], (SHOWN_DEPTH,))
     for fill_choice in chain:
         entry = fill_choice.entry
         draft.add("fill", f"fill {fill_choice}", f"chosen: {entry.summary}", entry.reads, entry.writes)

@@ -81,7 +81,7 @@ class IrradiancePart(Part):
         return {"irradiance": into}
 
 
-class AtlasLight(Lighting):
+class _AtlasLight(Lighting):
     """Its indirect light is the atlas that its owner sets."""
 
     indirect: moderngl.Texture
@@ -92,12 +92,12 @@ class AtlasLight(Lighting):
 
 
 @attrs.frozen
-class IrradianceSettings:
+class _IrradianceSettings:
     # Times a second that the server solves indirect light anew, at most.
     updates: float = attrs.field(default=10.0, validator=attrs.validators.gt(0))
 
 
-class SceneUnderLight(Store):
+class _SceneUnderLight(Store):
     """The whole scene under its own lamps; its indirect light comes with each picture.
 
     Without lamps it is drawn by its baked light.
@@ -105,13 +105,13 @@ class SceneUnderLight(Store):
 
     def __init__(self, client: ClientScene, wanted: None) -> None:
         super().__init__(client, wanted)
-        self._surfaces = Surfaces(client.gpu, client.scene, AtlasLight, samples=client.server.samples)
+        self._surfaces = Surfaces(client.gpu, client.scene, _AtlasLight, samples=client.server.samples)
 
     def draw(self, view: View, into: ShownPicture, time_ns: int, indirect: moderngl.Texture) -> None:
         """Draw the whole picture. indirect: the light atlas, rgba16f."""
-        if lighting := self._surfaces.lighting(AtlasLight):
+        if lighting := self._surfaces.lighting(_AtlasLight):
             lighting.indirect = indirect
-        self._surfaces.draw(view, into, time_ns, AtlasLight)
+        self._surfaces.draw(view, into, time_ns, _AtlasLight)
 
     def weights(self) -> list[dict[str, Any]]:
         return [whole_weight(self.client.scene)]
@@ -133,16 +133,16 @@ class IrradianceWarp(ClientDrawing):
     exact_when = "indirect light has not changed since it was solved, up to the link's code; direct light is never late"
     gets_wrong = "indirect light is late by the link and up to one update; takes the whole scene on the client"
     source = "Crassin et al. 2013, CloudLight (irradiance maps)"
-    Settings = IrradianceSettings
+    Settings = _IrradianceSettings
     variants = ("updates=5.0", "updates=30.0")
     for_moving_light = True
 
     @classmethod
-    def needs(cls, settings: IrradianceSettings) -> Needs:
+    def needs(cls, settings: _IrradianceSettings) -> Needs:
         return Needs(irradiance=settings.updates)
 
     def prepare_scene(self, geometry: ClientScene) -> None:
-        self._scene = geometry.store(SceneUnderLight)
+        self._scene = geometry.store(_SceneUnderLight)
 
     def run_with_depth(self, inputs: PassInputs, into: Canvas, depth: moderngl.Texture) -> None:
         picture = ShownPicture(into, depth)

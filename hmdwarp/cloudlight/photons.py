@@ -48,7 +48,7 @@ Array = NDArray[np.float64]
 # A bundle is whole or not there, so bundles may come in any order, and of each the newest stays.
 Sent = tuple[int, int]  # bundle, number
 # Bytes of a photon: position, normal, power.
-PHOTON_BYTES = 12
+_PHOTON_BYTES = 12
 # Whether every bundle has been sent; lowest corner and edge of the cube that holds all positions.
 _CUBE = struct.Struct("<B4f")
 # Bundle, its number, its photons.
@@ -58,18 +58,18 @@ _STEPS = 65535
 # Of a shared exponent, see shared_exponent().
 _MANTISSA, _BIAS, _EXPONENTS = 9, 15, 32
 # Paths of a bundle, and the room for photons that each path takes: they leave about one each.
-FEWEST_PATHS, MOST_PATHS, PHOTONS_A_PATH = 8, 256, 2
+_FEWEST_PATHS, _MOST_PATHS, PHOTONS_A_PATH = 8, 256, 2
 # A sun and the sky send so many more photons than a point: most of theirs never come in.
 OPEN = 8
 
 
-def bundle_bytes(paths: int) -> int:
+def _bundle_bytes(paths: int) -> int:
     """Return the bytes of the largest bundle of so many paths."""
-    return HEAD_BYTES + PHOTON_BYTES * PHOTONS_A_PATH * paths
+    return HEAD_BYTES + _PHOTON_BYTES * PHOTONS_A_PATH * paths
 
 
 # Any bundle of the fewest paths fits.
-LEAST_BUDGET = CUBE_BYTES + bundle_bytes(FEWEST_PATHS)
+LEAST_BUDGET = CUBE_BYTES + _bundle_bytes(_FEWEST_PATHS)
 
 
 @attrs.frozen(order=True)
@@ -88,8 +88,8 @@ class PhotonMap:
     @property
     def paths_of_bundle(self) -> int:
         """How many paths each bundle has: any bundle fits the budget."""
-        paths = MOST_PATHS
-        while paths > FEWEST_PATHS and CUBE_BYTES + bundle_bytes(paths) > self.budget:
+        paths = _MOST_PATHS
+        while paths > _FEWEST_PATHS and CUBE_BYTES + _bundle_bytes(paths) > self.budget:
             paths //= 2
         return paths
 
@@ -152,7 +152,7 @@ def unpacked(content: NDArray[np.uint8]) -> tuple[bool, Cube, list[tuple[Sent, N
         words[:, 0] = steps[:, 0] | steps[:, 1] << 16
         words[:, 1] = steps[:, 2] | normals[:, 0] << 16 | normals[:, 1] << 24
         words[:, 2] = np.frombuffer(data, np.uint32, count, at + 8 * count)
-        at += PHOTON_BYTES * count
+        at += _PHOTON_BYTES * count
         bundles.append(((bundle, number), words))
     return bool(whole), Cube(np.array(low), edge), bundles
 
@@ -504,7 +504,7 @@ def light_keys(lamps: Sequence[Light], background: Background, moved: bytes = b"
 
 
 # Paths traced for one frame, at most: many of a sun's and of the sky's bring nothing in.
-MOST_TRACED = 1 << 16
+_MOST_TRACED = 1 << 16
 
 
 @parts.register
@@ -557,8 +557,8 @@ class PhotonSource(Sender):
             lights = light_keys(lamps_at(self._scene, now_ns), self._scene.background, moved)
         state_of = [lights[k][1] for k, _ in self._bundles]
         stale = self.book.stale(state_of)
-        largest = bundle_bytes(self._wanted.paths_of_bundle)
-        while stale and left >= largest and traced < MOST_TRACED:
+        largest = _bundle_bytes(self._wanted.paths_of_bundle)
+        while stale and left >= largest and traced < _MOST_TRACED:
             # Of one lamp, as many as surely fit.
             of = self._bundles[stale[0]][0]
             batch = [bundle for bundle in stale[: left // largest] if self._bundles[bundle][0] == of]
@@ -583,7 +583,7 @@ _LIGHT = (4, "f4")  # rgba32f: sums of thousands of photons
 
 
 @attrs.frozen
-class PhotonSettings(PhotonMap):
+class _PhotonSettings(PhotonMap):
     # Shown pixels of one pixel of the splatted light, on each axis.
     scale: int = attrs.field(default=4, validator=attrs.validators.ge(1))
 
@@ -592,10 +592,10 @@ class PhotonSettings(PhotonMap):
         return PhotonMap(self.budget, self.paths, self.radius)
 
 
-SPLATS_UNIT = 8
+_SPLATS_UNIT = 8
 
 
-class SplatLight(Lighting):
+class _SplatLight(Lighting):
     """Its indirect light is a picture that its owner sets, see Splats."""
 
     defines = ("LAMPS", "SPLATTED")
@@ -603,10 +603,10 @@ class SplatLight(Lighting):
 
     def use(self, uniforms: Uniforms, view: View, viewport: Viewport, time_ns: int) -> None:
         self.use_lamps(uniforms, time_ns)
-        self.splats.use(uniforms, SPLATS_UNIT)
+        self.splats.use(uniforms, _SPLATS_UNIT)
 
 
-class ReceiverLight(Lighting):
+class _ReceiverLight(Lighting):
     """In place of colour, drawn are the normal and what the atlas of its owner holds."""
 
     defines = ("RECEIVERS",)
@@ -627,13 +627,13 @@ class KeptPhotons(Store):
     def __init__(self, client: ClientScene, wanted: PhotonMap) -> None:
         super().__init__(client, wanted)
         gpu, scene = client.gpu, client.scene
-        self.surfaces = Surfaces(gpu, scene, SplatLight, ReceiverLight, samples=client.server.samples)
+        self.surfaces = Surfaces(gpu, scene, _SplatLight, _ReceiverLight, samples=client.server.samples)
         self._factors: moderngl.Texture | None = None
-        if lighting := self.surfaces.lighting(ReceiverLight):
+        if lighting := self.surfaces.lighting(_ReceiverLight):
             factors = kernel_factors(transport_of(scene), wanted.radius)
             self._factors = lighting.indirect = allocate(gpu.gl, factors.shape[1::-1], COLOUR)
             self._factors.write(factors.tobytes())
-        self.photons = gpu.gl.buffer(reserve=PHOTON_BYTES * max(1, most_photons(scene, wanted)))
+        self.photons = gpu.gl.buffer(reserve=_PHOTON_BYTES * max(1, most_photons(scene, wanted)))
         self.begin_anew()
 
     def begin_anew(self) -> None:
@@ -714,7 +714,7 @@ class Splats:
         if not photons.count:
             return
         # The normal, and the factor for photons; 0 for what lamps do not light.
-        photons.surfaces.draw(view, self._receivers, time_ns, ReceiverLight)
+        photons.surfaces.draw(view, self._receivers, time_ns, _ReceiverLight)
         self._bind(self._program.uniforms, 0)
         self._program.uniforms.set(low=tuple(photons.cube.low.tolist()), edge=photons.cube.edge)
         with drawing_into(self._framebuffer, moderngl.BLEND):
@@ -756,12 +756,12 @@ class PhotonWarp(ClientDrawing):
         "uneven where photons are few; takes the whole scene on the client"
     )
     source = "Crassin et al. 2013, CloudLight (photons); Jensen 1996 (photon maps)"
-    Settings = PhotonSettings
+    Settings = _PhotonSettings
     variants = ("scale=8",)
     for_moving_light = True
 
     @classmethod
-    def needs(cls, settings: PhotonSettings) -> Needs:
+    def needs(cls, settings: _PhotonSettings) -> Needs:
         return Needs(photons=frozenset({settings.wanted}))
 
     def prepare_scene(self, geometry: ClientScene) -> None:
@@ -772,9 +772,9 @@ class PhotonWarp(ClientDrawing):
     def run_with_depth(self, inputs: PassInputs, into: Canvas, depth: moderngl.Texture) -> None:
         self._splats.draw(inputs.middle, inputs.shown_ns)
         surfaces = self._photons.surfaces
-        if lighting := surfaces.lighting(SplatLight):
+        if lighting := surfaces.lighting(_SplatLight):
             lighting.splats = self._splats
-        surfaces.draw(inputs.middle, ShownPicture(into, depth), inputs.shown_ns, SplatLight)
+        surfaces.draw(inputs.middle, ShownPicture(into, depth), inputs.shown_ns, _SplatLight)
 
     def close(self) -> None:
         super().close()

@@ -60,7 +60,7 @@ _SKY = struct.Struct("<B9e")
 # Cell, its age, the block, its points, the body, whether double-sided; lowest corner, edge, area.
 _HEAD = struct.Struct("<IHHHHH5f")
 HEAD_BYTES = _HEAD.size
-SKY_BYTES = _SKY.size
+_SKY_BYTES = _SKY.size
 # Any block fits.
 LEAST_BUDGET = 2000
 # Of the index of a point in a key, see shaders/lib/scatter_depth.glsl.
@@ -137,7 +137,7 @@ def packed_sky(colours: NDArray[np.float64], *, complete: bool) -> bytes:
 
 def unpacked(content: NDArray[np.uint8]) -> tuple[bool, NDArray[np.float64], list[Block]]:
     """Return whether all that may be seen was sent, the background and the blocks of an update."""
-    data, at = content.tobytes(), SKY_BYTES
+    data, at = content.tobytes(), _SKY_BYTES
     complete, *sky = _SKY.unpack_from(data)
     blocks = []
     while at < len(data):
@@ -294,7 +294,7 @@ class PointRoom:
 
 
 # A cell is at most so long, or so much of its distance from the viewpoint, whichever is more.
-CELL_M, CELL_SHARE = 0.25, 1 / 8
+_CELL_M, CELL_SHARE = 0.25, 1 / 8
 # Bits of a position on each axis of its cell: the error is at most 1/2046 of the cell's edge.
 POSITION_BITS = 10
 _STEPS = (1 << POSITION_BITS) - 1
@@ -431,7 +431,7 @@ def _in_triangle(place: Array) -> Array:
 def _limit(centres: Array, lengths: Array, body: NDArray[Any], eye: Array) -> Array:
     """Return the longest edge that a triangle there may have."""
     away = np.maximum(np.linalg.norm(centres - eye, axis=1) - lengths, 0)
-    return np.maximum(CELL_M, np.where(body > 0, 0, CELL_SHARE * away))
+    return np.maximum(_CELL_M, np.where(body > 0, 0, CELL_SHARE * away))
 
 
 def _eye(scene: Scene) -> Array:
@@ -491,8 +491,8 @@ def _cells(rows: Array, owner: NDArray[Any], across: Array, meshes: list[Mesh], 
     """Return the number of each triangle's cell."""
     body = np.array([mesh.body for mesh in meshes], np.int64)
     centres = rows[:, :, :3].mean(axis=1)
-    level = np.floor(np.log2(_limit(centres, np.zeros(len(rows)), body[owner], _eye(scene)) / CELL_M)).astype(np.int64)
-    place = np.floor(centres / (CELL_M * 2.0**level)[:, None]).astype(np.int64)
+    level = np.floor(np.log2(_limit(centres, np.zeros(len(rows)), body[owner], _eye(scene)) / _CELL_M)).astype(np.int64)
+    place = np.floor(centres / (_CELL_M * 2.0**level)[:, None]).astype(np.int64)
     axis = np.abs(across).argmax(axis=1)
     side = 2 * axis + (across[np.arange(len(across)), axis] < 0)
     keys = np.column_stack([owner, side, level, place])
@@ -545,7 +545,7 @@ _MOST_OF_CELL = 1 << 16  # of a cell
 # What hides what is looked up in a picture of so many pixels a side. A cell counts as hidden if it
 # lies behind all within so many of its own pixels at its middle and around it; one that looks
 # larger than that never does.
-HIDING, AROUND = 96, 5
+_HIDING, AROUND = 96, 5
 
 
 @parts.register
@@ -572,7 +572,7 @@ class PointPart(Sending[Cloud, "PointSource"]):
         from scipy.ndimage import minimum_filter
 
         # Of each view, the least inverse depth around each pixel of a small picture.
-        nearest, hiding = [], self.kept("hiding", (HIDING, HIDING))
+        nearest, hiding = [], self.kept("hiding", (_HIDING, _HIDING))
         for view in views:
             into = self.context.framebuffers.over(hiding.colour, hiding.inverse_depth)
             self.context.colour.draw(view, into, drawing.time_ns)
@@ -609,7 +609,7 @@ class PointSource(Sender):
         need = np.minimum(self._cells.area / spacing**2, _MOST_OF_CELL)
         # First come notes of what is forgotten: half of the bytes at most.
         sent = self.book.forgetting(self._cloud.budget // (2 * HEAD_BYTES))
-        left = self._cloud.budget - SKY_BYTES - HEAD_BYTES * len(sent)
+        left = self._cloud.budget - _SKY_BYTES - HEAD_BYTES * len(sent)
         for who, share in ((shown, 1.0), (seen & ~shown, 1.0), (~seen, AHEAD)):
             more, left = self._send(np.where(who, share * need, 0), looks, left, may_forget=who is shown)
             sent += more
@@ -717,14 +717,14 @@ _WINNER_BYTES, _NOBODY = 4, 0xFFFFFFFF
 # Words of a point: position; normal; colour.
 _WORDS = 3
 _CELL_BYTES = 32
-NO_CELL = 0xFFFFFFFF
+_NO_CELL = 0xFFFFFFFF
 # Radius of a disc in square roots of the part of the surface that is its own: from the middle of a
 # triangle with two equal sides and a right angle to its farther corners it is 1.05.
 RADIUS = 1.1
 
 
 @attrs.frozen
-class PointSettings(Cloud):
+class _PointSettings(Cloud):
     # Factor on the radius of discs; 0 draws one pixel for each point.
     size: float = attrs.field(default=1.0, validator=attrs.validators.ge(0))
     # The largest radius of a disc in pixels.
@@ -752,7 +752,7 @@ class KeptPoints(Store):
         # The slot of each page's cell, and the pages from the first to behind the last that the
         # buffer does not hold yet. They are written at once: NVIDIA's driver (580.159) loses all
         # but the first of many writes of 4 bytes before a shader reads them.
-        self._slots = np.full(pages, NO_CELL, np.uint32)
+        self._slots = np.full(pages, _NO_CELL, np.uint32)
         self._changed = (pages, 0)
         self.pages = gpu.gl.buffer(self._slots)
         self._room = PointRoom(wanted.room, self._write, self._clear)
@@ -797,7 +797,7 @@ class KeptPoints(Store):
         self.cells.write(cell.tobytes(), offset=_CELL_BYTES * slot)
 
     def _clear(self, pages: list[int]) -> None:
-        self._put(pages, NO_CELL)
+        self._put(pages, _NO_CELL)
 
     def _put(self, pages: list[int], slot: int) -> None:
         self._slots[pages] = slot
@@ -853,7 +853,7 @@ class PointWarp(Warp):
         "deforms have no points"
     )
     source = "the 2014 thesis, section 3.1 [14]; Pfister et al. 2000, Zwicker et al. 2001 (surface splats)"
-    Settings = PointSettings
+    Settings = _PointSettings
     resamples = True
     variants = ("spacing=2.0", "size=0.0")
     depth_reads = ()
@@ -861,7 +861,7 @@ class PointWarp(Warp):
     without_effects = "shows points alone, of plain surfaces, where they are now"
 
     @classmethod
-    def needs(cls, settings: PointSettings) -> Needs:
+    def needs(cls, settings: _PointSettings) -> Needs:
         return Needs(points=frozenset({settings.wanted}))
 
     def prepare(self) -> None:

@@ -60,7 +60,7 @@ _ENOUGH, _MOST_BOUNCES = 2.0**-18, 1000
 
 
 @attrs.define(eq=False, slots=False)
-class Blockers:
+class _Blockers:
     """Triangles that stop light, from both sides."""
 
     corners: Array  # (n, 3, 3) metres
@@ -106,7 +106,7 @@ class Blockers:
 
 
 @attrs.frozen(eq=False)
-class Patches:
+class _Patches:
     """Matt pieces of surface, each one texel of the light atlas."""
 
     texels: NDArray[np.int64]  # (n, 2) column and row
@@ -129,7 +129,7 @@ class Patches:
         return self.centres + self.steps[..., 0] * across + self.steps[..., 1] * up + OFF_M * self.normals
 
 
-def _patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Patches:
+def _patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> _Patches:
     """Return a patch for each texel whose centre some triangle covers."""
     kinds: list[list[Array]] = [[] for _ in range(6)]
     for mesh in meshes:
@@ -167,7 +167,7 @@ def _patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Patches:
                 kind.append(one)
     shapes = ((0, 2), (0, 3), (0, 3), (0, 3, 2), (0, 3), (0,))
     texels, *rest = [np.concatenate([np.empty(s), *kind]) for kind, s in zip(kinds, shapes, strict=True)]
-    return Patches(texels.astype(np.int64), rest[0], rest[1], rest[2], rest[3], rest[4].astype(np.int64))
+    return _Patches(texels.astype(np.int64), rest[0], rest[1], rest[2], rest[3], rest[4].astype(np.int64))
 
 
 def mean_colour(texture: Texture) -> Array:
@@ -191,11 +191,11 @@ SKY, BLACK = -1, -2
 
 
 @attrs.define(eq=False, slots=False)
-class Receivers:
+class _Receivers:
     """The surfaces of a scene that get light, and stop it."""
 
-    patches: Patches
-    blockers: Blockers
+    patches: _Patches
+    blockers: _Blockers
     atlas: Array  # (triangles, 3, 2) places of the blockers' corners in the light atlas
 
     @cached_property
@@ -252,18 +252,18 @@ class _Rays:
 class Transport:
     """How light goes from patch to patch of one scene, at one instant if something lit moves."""
 
-    receivers: Receivers
+    receivers: _Receivers
     form_factors: Array  # (n, n): the share of what leaves patch i that patch j gets
     sky: Array  # (n, 3) what each patch gets from the sky itself
     is_moving: bool = False
 
     @property
-    def patches(self) -> Patches:
+    def patches(self) -> _Patches:
         """Those that get light."""
         return self.receivers.patches
 
     @property
-    def blockers(self) -> Blockers:
+    def blockers(self) -> _Blockers:
         """The triangles of their surfaces."""
         return self.receivers.blockers
 
@@ -327,7 +327,7 @@ def nearest_known(values: Array) -> Array:
     return np.asarray(values[rows, columns])
 
 
-def direct_light(blockers: Blockers, points: Array, normals: Array, lamps: Sequence[Light]) -> Array:
+def direct_light(blockers: _Blockers, points: Array, normals: Array, lamps: Sequence[Light]) -> Array:
     """Return (n, 3) what lamps give to points with those normals; 0 in shadow."""
     total = np.zeros((len(points), 3))
     for place, colour in lamps:
@@ -352,7 +352,7 @@ def faded(place: Array, ways: Array) -> Array:
     return np.asarray(np.clip(ways @ place[4:7] + place[7], 0, 1) ** 2)
 
 
-def receivers_of(scene: Scene, time_ns: int = 0) -> Receivers:
+def receivers_of(scene: Scene, time_ns: int = 0) -> _Receivers:
     """Return the surfaces that get light at an instant, those that stand still first.
 
     The same object for the same surfaces. Errors: SceneError where two triangles have the same
@@ -364,19 +364,19 @@ def receivers_of(scene: Scene, time_ns: int = 0) -> Receivers:
 
 
 @lru_cache(maxsize=4)  # each pass of an instant asks
-def _receivers_at(scene: Scene, moved: LitInstant) -> Receivers:
+def _receivers_at(scene: Scene, moved: LitInstant) -> _Receivers:
     still = _still_receivers(scene.meshes, scene.textures)
     return _joined(still, _receivers(moved_meshes(scene, moved.time_ns), scene.textures))
 
 
 @lru_cache(maxsize=4)
-def _still_receivers(meshes: tuple[Mesh, ...], textures: tuple[Texture, ...]) -> Receivers:
+def _still_receivers(meshes: tuple[Mesh, ...], textures: tuple[Texture, ...]) -> _Receivers:
     # Of what moves, the places in the atlas alone matter here.
     _receivers([mesh for mesh in meshes if mesh.light_uv is not None], textures)
     return _receivers(lit_meshes(meshes), textures)
 
 
-def _receivers(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Receivers:
+def _receivers(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> _Receivers:
     patches = _patches_of(meshes, textures)
     texels = patches.texels
     if len(np.unique(texels, axis=0)) < len(texels):
@@ -386,16 +386,16 @@ def _receivers(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Receivers
     places = np.concatenate(
         [np.empty((0, 3, 2)), *(mesh.light_uv[mesh.triangles] for mesh in meshes if mesh.light_uv is not None)]
     )
-    return Receivers(patches, Blockers(corners_of(meshes)), places)
+    return _Receivers(patches, _Blockers(corners_of(meshes)), places)
 
 
-def _joined(first: Receivers, other: Receivers) -> Receivers:
-    names = [field.name for field in attrs.fields(Patches)]
-    patches = Patches(*(np.concatenate([getattr(scene.patches, name) for scene in (first, other)]) for name in names))
+def _joined(first: _Receivers, other: _Receivers) -> _Receivers:
+    names = [field.name for field in attrs.fields(_Patches)]
+    patches = _Patches(*(np.concatenate([getattr(scene.patches, name) for scene in (first, other)]) for name in names))
     corners, atlas = (
         np.concatenate(pair) for pair in ((first.blockers.corners, other.blockers.corners), (first.atlas, other.atlas))
     )
-    return Receivers(patches, Blockers(corners), atlas)
+    return _Receivers(patches, _Blockers(corners), atlas)
 
 
 def transport_of(scene: Scene, folder: Path | None = None, rays: int = RAYS, *, time_ns: int = 0) -> Transport:
@@ -423,7 +423,7 @@ def _transport_at(scene: Scene, moved: LitInstant, folder: Path | None, rays: in
     """Return light's ways at an instant: rays of what stands still end where they meet others."""
     every, still = _receivers_at(scene, moved), _still_rays(scene.meshes, scene.textures, folder, rays)
     own, triangles = len(still.patch), len(_still_receivers(scene.meshes, scene.textures).blockers.corners)
-    others = Receivers(every.patches, Blockers(every.blockers.corners[triangles:]), every.atlas[triangles:])
+    others = _Receivers(every.patches, _Blockers(every.blockers.corners[triangles:]), every.atlas[triangles:])
     patch = still.patch.copy()
     if len(others.blockers.corners):
         near = _near(still, others.blockers.corners.reshape(-1, 3))
@@ -464,7 +464,7 @@ def _still_rays(meshes: tuple[Mesh, ...], textures: tuple[Texture, ...], folder:
     return found
 
 
-def _begun(patches: Patches, which: slice, rays: int) -> tuple[Array, Array]:
+def _begun(patches: _Patches, which: slice, rays: int) -> tuple[Array, Array]:
     """Return (n, r, 3) starts and ways of the rays of some patches.
 
     All patches use the same rays in their own axes: the error is as smooth as the light.
@@ -480,7 +480,7 @@ def _begun(patches: Patches, which: slice, rays: int) -> tuple[Array, Array]:
     return fronts[:, None] + (samples[:, 2:] - 0.5) @ steps.transpose(0, 2, 1), cosine_ways(samples) @ axes
 
 
-def _cast(receivers: Receivers, which: slice, rays: int) -> _Rays:
+def _cast(receivers: _Receivers, which: slice, rays: int) -> _Rays:
     starts, ways = _begun(receivers.patches, which, rays)
     met = receivers.meet(starts.reshape(-1, 3), ways.reshape(-1, 3))
     shape = starts.shape[:2]

@@ -130,7 +130,7 @@ class VoxelGrid:
 
 
 @attrs.frozen(eq=False)
-class VoxelSurfaces:
+class _VoxelSurfaces:
     """What lies in the cells: for each cell and each way a surface faces there, one piece."""
 
     cells: NDArray[np.int64]  # (n,) x + size * (y + size * z), ascending
@@ -143,7 +143,7 @@ class VoxelSurfaces:
         return len(self.cells)
 
 
-def voxel_surfaces(scene: Scene, grid: VoxelGrid, time_ns: int = 0) -> VoxelSurfaces:
+def voxel_surfaces(scene: Scene, grid: VoxelGrid, time_ns: int = 0) -> _VoxelSurfaces:
     """Return all lit surfaces at an instant, cut along the cells; no area is lost."""
     return _merged(
         np.concatenate([_still_pieces(scene, grid), _pieces(scene, moved_meshes(scene, time_ns), grid)]), grid
@@ -205,7 +205,7 @@ def _halves(pieces: Array, axis: int, planes: Array) -> Array:
     return np.concatenate(out)
 
 
-def _merged(pieces: Array, grid: VoxelGrid) -> VoxelSurfaces:
+def _merged(pieces: Array, grid: VoxelGrid) -> _VoxelSurfaces:
     """Return the pieces of each cell that face the same way as one."""
     a, b, c = pieces[..., :3].transpose(1, 0, 2)
     areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
@@ -220,10 +220,10 @@ def _merged(pieces: Array, grid: VoxelGrid) -> VoxelSurfaces:
     means = total[:, 1:] / total[:, :1]
     normals = means[:, 3:6] / np.maximum(np.linalg.norm(means[:, 3:6], axis=1, keepdims=True), 1e-12)
     places = grid.low + grid.cell_m * means[:, :3]
-    return VoxelSurfaces(kept // several**3, places, normals, total[:, 0], means[:, 6:9])
+    return _VoxelSurfaces(kept // several**3, places, normals, total[:, 0], means[:, 6:9])
 
 
-FACING_UNIT = 8  # as in shaders/lib/voxels.glsl
+_FACING_UNIT = 8  # as in shaders/lib/voxels.glsl
 _PLACE_UNIT, _NORMAL_UNIT, _LIGHT_UNIT = 3, 4, 5
 _PLACES = (4, "f4")
 
@@ -237,15 +237,15 @@ class VoxelPart(Part):
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
-        self._made: LastUsed[VoxelLight, tuple[VoxelLighting, ScenePasses]] = LastUsed()
+        self._made: LastUsed[VoxelLight, tuple[_VoxelLighting, ScenePasses]] = LastUsed()
 
     def passes_for(self, drawing: Drawing) -> ScenePasses | None:
         context, settings = self.context, drawing.needs.get("voxels")
         if settings is None or not context.scene.lamps:
             return None
 
-        def make() -> tuple[VoxelLighting, ScenePasses]:
-            lighting, plain = VoxelLighting(context, settings), context.colour
+        def make() -> tuple[_VoxelLighting, ScenePasses]:
+            lighting, plain = _VoxelLighting(context, settings), context.colour
             return lighting, ScenePasses(
                 context.gpu, context.scene, plain.buffers, colour=True, moving=plain.moving, lighting=lighting
             )
@@ -261,7 +261,7 @@ class VoxelPart(Part):
         self._free(self._made.values())
 
     @staticmethod
-    def _free(made: Iterable[tuple[VoxelLighting, ScenePasses]]) -> None:
+    def _free(made: Iterable[tuple[_VoxelLighting, ScenePasses]]) -> None:
         for lighting, passes in made:
             passes.close()
             lighting.close()
@@ -279,7 +279,7 @@ class _Small:
     time_ns: int = 0
 
 
-class VoxelLighting(Lighting):
+class _VoxelLighting(Lighting):
     """Direct light of the scene's lamps, and a grid of what all surfaces send.
 
     The grid is lit anew for the first picture of each update. Cones look into it from the pixels of
@@ -308,7 +308,7 @@ class VoxelLighting(Lighting):
         self._direct, self._gather, self._fill, self._look = (
             gpu.shaders.compute(f"cloudlight/voxel_{name}.comp") for name in ("direct", "gather", "fill", "look")
         )
-        self._places = PlacePasses(self, scene, context.colour.buffers, context.colour.moving)
+        self._places = _PlacePasses(self, scene, context.colour.buffers, context.colour.moving)
         self._small: dict[tuple[int, int], _Small] = {}
         cones, width = cones_of(settings.cones)
         sky = scene.background
@@ -388,7 +388,7 @@ class VoxelLighting(Lighting):
     def set_grid(self, uniforms: Uniforms) -> None:
         """Set the uniforms of lib/voxels.glsl and bind its textures."""
         uniforms.set(**self._constants)
-        for unit, one in enumerate(self._facing, FACING_UNIT):
+        for unit, one in enumerate(self._facing, _FACING_UNIT):
             one.use(unit)
 
     def _light_up(self, time_ns: int) -> None:
@@ -447,12 +447,12 @@ def cones_of(count: int) -> tuple[NDArray[np.float32], float]:
     return ways.astype(np.float32), 2 * math.tan(math.acos(1 - 1 / count))
 
 
-class PlacePasses(ScenePasses):
+class _PlacePasses(ScenePasses):
     """Places and normals of the surfaces; where there is none all is 0."""
 
     fragment = "cloudlight/places.frag"
 
-    def __init__(self, lighting: VoxelLighting, scene: Scene, buffers: SceneBuffers, moving: Sequence[Moving]) -> None:
+    def __init__(self, lighting: _VoxelLighting, scene: Scene, buffers: SceneBuffers, moving: Sequence[Moving]) -> None:
         self._lit_by = lighting
         super().__init__(lighting.gpu, scene, buffers, colour=False, moving=moving)
 

@@ -135,23 +135,23 @@ def _nothing_like(mask: tuple[Any, ...]) -> tuple[Any, ...]:
     return tuple(_nothing_like(part) if isinstance(part, tuple) else False for part in mask)
 
 
-FONT_PX, LINE_PX, PAD_PX, COLUMN_PX = 28, 38, 18, 28
-LETTERS_A_LINE = 44
+_FONT_PX, _LINE_PX, _PAD_PX, COLUMN_PX = 28, 38, 18, 28
+_LETTERS_A_LINE = 44
 KEPT = 16  # textures; notices are few, and a help text is the same each time
 
 # Head-locked, at 1 m. At 300 pixels a metre (640x800 an eye, 100 degrees) letters still have 13
 # pixels, and the text is so small and central that both eyes of every headset here see all of it.
-AT_M = 1.0
-LINE_M = 0.056
+_AT_M = 1.0
+_LINE_M = 0.056
 MAX_WIDTH_M, MAX_HEIGHT_M = 1.1, 1.2
-MIDDLE_M, LOWEST_M = -0.35, -0.62
+_MIDDLE_M, LOWEST_M = -0.35, -0.62
 # A text panel is read straight ahead, and no turn of the head brings it nearer: it lies only a
 # little below.
-TEXT_PANEL_MIDDLE_M = -0.1
+_TEXT_PANEL_MIDDLE_M = -0.1
 
 # In a window without an eye: full size, but no more than this share of the viewport, above this
 # margin.
-MAX_SHARE, MARGIN = 0.94, 0.03
+_MAX_SHARE, MARGIN = 0.94, 0.03
 
 
 @attrs.frozen(eq=False)
@@ -171,17 +171,17 @@ class Notice:
         """
         (w, h), is_text = self.ink.size, isinstance(self.label, str)
         if eye is None:
-            scale = min(1.0, MAX_SHARE * size[0] / w, MAX_SHARE * size[1] / h)
+            scale = min(1.0, _MAX_SHARE * size[0] / w, _MAX_SHARE * size[1] / h)
             # At whole pixels, letters of full size stay sharp.
             middle = (size[1] - scale * h) / 2
             left, bottom = (size[0] - scale * w) / 2, min(MARGIN * size[1], middle) if is_text else middle
             pixel_from_uv = np.array([[scale * w, 0, round(left)], [0, scale * h, round(bottom)], [0, 0, 1.0]])
         else:
-            w_m, h_m = (pixels * LINE_M / LINE_PX for pixels in (w, h))
+            w_m, h_m = (pixels * _LINE_M / _LINE_PX for pixels in (w, h))
             scale = min(1.0, MAX_WIDTH_M / w_m, MAX_HEIGHT_M / h_m)
             w_m, h_m = scale * w_m, scale * h_m
-            bottom = max((MIDDLE_M if is_text else TEXT_PANEL_MIDDLE_M) - h_m / 2, LOWEST_M)
-            in_head = np.array([[w_m, 0, -w_m / 2], [0, h_m, bottom], [0, 0, -AT_M]])
+            bottom = max((_MIDDLE_M if is_text else _TEXT_PANEL_MIDDLE_M) - h_m / 2, LOWEST_M)
+            in_head = np.array([[w_m, 0, -w_m / 2], [0, h_m, bottom], [0, 0, -_AT_M]])
             from_eye = in_head - np.outer(eye.head_from_eye.position_m, (0, 0, 1))
             in_eye = eye.head_from_eye.rotation.as_matrix().T @ from_eye
             pixel_from_uv = eye.fov.pixel_from_tangent(size) @ np.diag([1.0, 1.0, -1.0]) @ in_eye
@@ -192,21 +192,21 @@ def text_ink(text: str) -> NDArray[np.uint8]:
     """Return (h, w), top row first: 255 inside letters of the text, with a margin."""
     from PIL import Image, ImageDraw, ImageFont
 
-    font = ImageFont.load_default(FONT_PX)
+    font = ImageFont.load_default(_FONT_PX)
     rows: list[tuple[str, ...]] = []  # of one part, or of two columns
     for line in text.splitlines():
         before, tab, after = line.partition("\t")
-        rows += [(before, after)] if tab else [(part,) for part in textwrap.wrap(line, LETTERS_A_LINE) or [""]]
+        rows += [(before, after)] if tab else [(part,) for part in textwrap.wrap(line, _LETTERS_A_LINE) or [""]]
 
     def widest(parts: list[str], from_px: int = 0) -> int:
         return max((from_px + math.ceil(font.getlength(part)) for part in parts), default=0)
 
     second_px = widest([row[0] for row in rows if len(row) == 2]) + COLUMN_PX
     wide = max(widest([row[0] for row in rows]), widest([row[1] for row in rows if len(row) == 2], second_px))
-    size = (wide + 2 * PAD_PX, LINE_PX * len(rows) + PAD_PX)
+    size = (wide + 2 * _PAD_PX, _LINE_PX * len(rows) + _PAD_PX)
     image = Image.new("L", size)
     draw = ImageDraw.Draw(image)
     for number, row in enumerate(rows):
         for column, part in enumerate(row):
-            draw.text((PAD_PX + column * second_px, PAD_PX / 2 + number * LINE_PX), part, 255, font)
+            draw.text((_PAD_PX + column * second_px, _PAD_PX / 2 + number * _LINE_PX), part, 255, font)
     return np.asarray(image)

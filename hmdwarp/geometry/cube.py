@@ -14,7 +14,7 @@ _Q = math.sqrt(0.5)  # of a quarter turn
 
 
 @attrs.frozen
-class Face:
+class _Face:
     """One face of the cube."""
 
     name: str
@@ -24,12 +24,12 @@ class Face:
 
 
 FACES = (
-    Face("left", 0, 0, (0.0, _Q, 0.0, _Q)),
-    Face("front", 1, 0, (0.0, 0.0, 0.0, 1.0)),
-    Face("right", 2, 0, (0.0, -_Q, 0.0, _Q)),
-    Face("down", 0, 1, (-_Q, 0.0, 0.0, _Q)),
-    Face("back", 1, 1, (0.0, 1.0, 0.0, 0.0)),
-    Face("up", 2, 1, (_Q, 0.0, 0.0, _Q)),
+    _Face("left", 0, 0, (0.0, _Q, 0.0, _Q)),
+    _Face("front", 1, 0, (0.0, 0.0, 0.0, 1.0)),
+    _Face("right", 2, 0, (0.0, -_Q, 0.0, _Q)),
+    _Face("down", 0, 1, (-_Q, 0.0, 0.0, _Q)),
+    _Face("back", 1, 1, (0.0, 1.0, 0.0, 0.0)),
+    _Face("up", 2, 1, (_Q, 0.0, 0.0, _Q)),
 )
 
 

@@ -18,8 +18,8 @@ from .textures import Canvas, drawing_into
 
 UNIT = 15  # texture unit of seen_rows, see shaders/gpu/hide.comp
 ACROSS = 150  # rectangles of the hidden area, about
-STRIPS, STRIP = 7, 16  # storage buffer and columns of shaders/lib/rows.glsl
-NO_STRIP = 0xFFFF  # beyond every picture: the last work group may have fewer
+_STRIPS, STRIP = 7, 16  # storage buffer and columns of shaders/lib/rows.glsl
+_NO_STRIP = 0xFFFF  # beyond every picture: the last work group may have fewer
 Size = tuple[int, int]
 SeenView = Any  # a geometry.View
 Strips = Literal["seen", "hidden", "edge"]
@@ -90,11 +90,11 @@ class HiddenAreas:
             lists = {"seen": any_seen, "hidden": any_hidden, "edge": written & any_hidden}
             (row, column), each = np.nonzero(lists[of]), group // STRIP
             count = -(-len(row) // each)
-            places = np.full(max(1, count * each), NO_STRIP, np.uint32)
+            places = np.full(max(1, count * each), _NO_STRIP, np.uint32)
             places[: len(row)] = column | row << 16
             made[key] = self._gl.buffer(places.tobytes()), count
         strips, count = made[key]
-        strips.bind_to_storage_buffer(STRIPS)
+        strips.bind_to_storage_buffer(_STRIPS)
         return int(count)
 
     def cover(self, view: SeenView, framebuffer: moderngl.Framebuffer, nearest: float, **defines: object) -> None:

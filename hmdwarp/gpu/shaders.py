@@ -34,7 +34,7 @@ _DTYPES = {"f": np.float32, "i": np.int32, "I": np.uint32}  # by moderngl's lett
 
 
 @dataclass
-class Flattened:
+class _Flattened:
     """A shader's whole text and the origin of each line."""
 
     lines: list[str] = field(default_factory=list)
@@ -57,7 +57,7 @@ class Flattened:
         return _PLACE.sub(origin, message)
 
 
-def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path | None = None) -> Flattened:
+def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path | None = None) -> _Flattened:
     """Return the text of shader `path` with its includes, each file once, and `defines` on top.
 
     path: relative to shaders/, or absolute for a shader of another package. `#include NAME`
@@ -66,7 +66,7 @@ def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path |
     """
     defines = dict(defines or {})
     root = root or folder("shaders")
-    out, seen = Flattened(), set()
+    out, seen = _Flattened(), set()
 
     def add(line: str, origin: tuple[str, int]) -> None:
         out.lines.append(line)
@@ -115,7 +115,7 @@ class Block:
     a declaration stay outside; all do where one name has two types.
     """
 
-    def __init__(self, flats: Sequence[Flattened]) -> None:
+    def __init__(self, flats: Sequence[_Flattened]) -> None:
         self.views: dict[str, NDArray[Any]] = {}  # where each is written, as NumPy has it
         self.packs: dict[str, Callable[..., None]] = {}  # of numbers and vectors: a third of NumPy's time
         self.data, self.texts = bytearray(_MOST_BYTES), list[str]()
@@ -183,7 +183,7 @@ class Room:
 
 
 def built(
-    gl: moderngl.Context, flats: Sequence[Flattened], build: Callable[..., Program], name: str
+    gl: moderngl.Context, flats: Sequence[_Flattened], build: Callable[..., Program], name: str
 ) -> tuple[Program, Uniforms]:
     """Return the program that `build` makes of the stages' texts, and its uniforms.
 
@@ -206,7 +206,7 @@ class Uniforms:
     """
 
     def __init__(
-        self, program: Any, flats: Sequence[Flattened], name: str, block: Block | None = None, *place: Any
+        self, program: Any, flats: Sequence[_Flattened], name: str, block: Block | None = None, *place: Any
     ) -> None:
         self._name = name
         declared = " ".join(line.partition("//")[0] for flat in flats for line in flat.lines)

@@ -24,7 +24,7 @@ from ..options.named_files import FACTS, text_in
 from ._model import COLOURS, IPD_RANGE_M, MODELS, Array, Headset, HeadsetEye, Lens, ViveLens
 
 REPORTED = "the views as the runtime reported them; no lens, because the runtime corrects it"
-REFRESH_HZ = 90.0  # of a Vive; a file does not tell, --rate takes another
+_REFRESH_HZ = 90.0  # of a Vive; a file does not tell, --rate takes another
 _NAMES = {"red": "distortion_red", "green": "distortion", "blue": "distortion_blue"}
 _KINDS = ("DISTORT_DPOLY3",)
 
@@ -51,7 +51,7 @@ def _vive(data: Table, path: Path) -> Headset:
         places = [-half, half]
     eyes = tuple(_vive_eye(eye, float(x), (2.0, 2.0 / aspect)) for eye, x in zip(found, places, strict=True))
     summary = f"SteamVR's configuration of a headset, {size[0]}x{size[1]} per eye"
-    return Headset(path.stem, summary, path.name, size, REFRESH_HZ, eyes)
+    return Headset(path.stem, summary, path.name, size, _REFRESH_HZ, eyes)
 
 
 def _matrix(data: Table, key: str, shape: tuple[int, int]) -> Array:
@@ -118,7 +118,7 @@ def _hmdq(data: Table, path: Path) -> Headset:
             hidden = tuple(tuple((float(x), float(y)) for x, y in corners) for corners in places.reshape(-1, 3, 2))
         eyes.append(HeadsetEye(Pose(pose[:, 3], _quaternion(pose[:, :3])), fov, hidden=hidden))
     summary = f"exported by hmdq, {size[0]:g}x{size[1]:g} per eye"
-    return Headset(path.stem, summary, f"hmdq, {path.name}", size, REFRESH_HZ, tuple(eyes), emulated=REPORTED)
+    return Headset(path.stem, summary, f"hmdq, {path.name}", size, _REFRESH_HZ, tuple(eyes), emulated=REPORTED)
 
 
 def _geometry(data: Table) -> Table | None:

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 Pair = tuple[float, float]
 
 
-def refuse_unless_positive(**values: float) -> None:
+def _refuse_unless_positive(**values: float) -> None:
     """Raise InputError for a value that is no number above 0."""
     for name, value in values.items():
         if not 0 < value < math.inf:
@@ -91,7 +91,7 @@ class RadialLens(_OneAxis):
         return np.asarray(self.tangent_per_unit * polynomial.polyval(r * r, np.array(self.coefficients[colour])))
 
     def __attrs_post_init__(self) -> None:
-        refuse_unless_positive(unit_m=self.unit_m, tangent_per_unit=self.tangent_per_unit, reach=self.reach)
+        _refuse_unless_positive(unit_m=self.unit_m, tangent_per_unit=self.tangent_per_unit, reach=self.reach)
         for colour in COLOURS:
             if not 1 <= len(self.coefficients[colour]) <= MAX_COEFFICIENTS:
                 raise InputError(
@@ -140,7 +140,7 @@ class TableLens(_OneAxis):
     distances: dict[str, tuple[float, ...]]  # of each colour, in unit_m, from 0 on
 
     def __attrs_post_init__(self) -> None:
-        refuse_unless_positive(unit_m=self.unit_m)
+        _refuse_unless_positive(unit_m=self.unit_m)
         for name, values in {"angle_deg": self.angle_deg, **self.distances}.items():
             if len(values) != len(self.angle_deg) or len(values) < 2 or values[0] != 0:
                 raise InputError(
@@ -191,7 +191,7 @@ class ViveLens(_Round):
     cutoff_r2: float  # beyond it nothing is shown
 
     def __attrs_post_init__(self) -> None:
-        refuse_unless_positive(focal=self.focal, undistort_r2_cutoff=self.cutoff_r2)
+        _refuse_unless_positive(focal=self.focal, undistort_r2_cutoff=self.cutoff_r2)
         r = np.linspace(0, math.sqrt(self.cutoff_r2), 1025)
         for colour in COLOURS:
             k1, k2, k3, _ = self.coefficients[colour]
@@ -252,7 +252,7 @@ class HeadsetEye:
 
     def __attrs_post_init__(self) -> None:
         if self.panel_m is not None:
-            refuse_unless_positive(eye_width_m=self.panel_m[0], eye_height_m=self.panel_m[1])
+            _refuse_unless_positive(eye_width_m=self.panel_m[0], eye_height_m=self.panel_m[1])
 
     def mirrored(self) -> HeadsetEye:
         """Return the other eye of a symmetric headset."""
@@ -325,7 +325,7 @@ class Headset:
 
     def __attrs_post_init__(self) -> None:
         given = {"peak_cd_m2": self.peak_cd_m2, "black_cd_m2": self.black_cd_m2}
-        refuse_unless_positive(
+        _refuse_unless_positive(
             refresh_hz=self.refresh_hz, **{name: value for name, value in given.items() if value is not None}
         )
         for eye in self.eyes:

@@ -97,7 +97,7 @@ def converted(
 _MOST_BODIES = np.iinfo(np.uint16).max  # numbers on the GPU have 16 bits
 
 
-class HeldLayer:
+class _HeldLayer:
     """One layer's texture; of panels, those of their pictures."""
 
     def __init__(self, gpu: Gpu, name: str, kind: Kind, size: Size) -> None:
@@ -127,14 +127,14 @@ class HeldLayer:
         release_all(self.texture, *self.panels.values())
 
 
-def _velocity(layer: HeldLayer, value: Any) -> moderngl.Texture:
+def _velocity(layer: _HeldLayer, value: Any) -> moderngl.Texture:
     velocity = layer.array("", value, 3)
     moves = (velocity != 0).any(axis=2, keepdims=True)
     upload(layer.texture, np.concatenate([velocity, moves], axis=2).astype(np.float32))
     return layer.texture
 
 
-def _ids(layer: HeldLayer, value: Any) -> BodyIds:
+def _ids(layer: _HeldLayer, value: Any) -> BodyIds:
     numbers, bodies = layer.parts(value, 2)
     numbers, bodies = layer.array("numbers of ", numbers, None), tuple(bodies)
     if not all(isinstance(body, RigidState) for body in bodies):
@@ -150,7 +150,7 @@ def _ids(layer: HeldLayer, value: Any) -> BodyIds:
     return BodyIds(layer.texture, bodies)
 
 
-def _overlay(layer: HeldLayer, value: Any) -> moderngl.Texture:
+def _overlay(layer: _HeldLayer, value: Any) -> moderngl.Texture:
     pixels = layer.array("", value, 4)
     is_bytes = pixels.dtype == np.uint8
     light = linear_from_srgb(pixels[..., :3]) if is_bytes else pixels[..., :3]
@@ -161,7 +161,7 @@ def _overlay(layer: HeldLayer, value: Any) -> moderngl.Texture:
     return layer.texture
 
 
-def _panels(layer: HeldLayer, value: Any) -> tuple[HeldPanel, ...]:
+def _panels(layer: _HeldLayer, value: Any) -> tuple[HeldPanel, ...]:
     """Take panels over; pictures that those of the call before had too stay where they are."""
     panels = layer.parts(value, len(value) if isinstance(value, list | tuple) else 0)
     if not all(isinstance(panel, Panel) for panel in panels):
@@ -178,7 +178,7 @@ def _panels(layer: HeldLayer, value: Any) -> tuple[HeldPanel, ...]:
 class Kind:
     """A layer that a caller can pass."""
 
-    hold: Callable[[HeldLayer, Any], Any]  # takes arrays over, and returns what passes read; Errors: InputError
+    hold: Callable[[_HeldLayer, Any], Any]  # takes arrays over, and returns what passes read; Errors: InputError
     expected: str  # what the caller passes, in words
     texel: tuple[int, str] = COLOUR
     is_shown: bool = False  # whether it has the size of the result instead of the picture's
@@ -206,7 +206,7 @@ class CallerLayers(Owner):
 
     def __init__(self, gpu: Gpu, needs: Needs, rendered_size: Size, shown_size: Size) -> None:
         self._held = {
-            name: self.own(HeldLayer(gpu, name, kind, shown_size if kind.is_shown else rendered_size))
+            name: self.own(_HeldLayer(gpu, name, kind, shown_size if kind.is_shown else rendered_size))
             for name, kind in KNOWN.items()
             if name in needs
         }

@@ -37,7 +37,7 @@ EXTRA, MODULES = "jod", {"pycvvdp": "cvvdp", "torch": "torch"}
 TRUTH_JOD = 10.0
 # Of a headset that does not say: those of the HTC Vive Pro in cvvdp's list of displays, after
 # Mehrfard et al. 2019, arXiv:1912.02913.
-PEAK_CD_M2, BLACK_CD_M2 = 133.3, 0.1
+_PEAK_CD_M2, BLACK_CD_M2 = 133.3, 0.1
 # How the columns of a table are called, where clips were rated.
 JOD = Figure("jod", "JOD", "", 2, higher_is_better=True)
 TRUTH_PREFERRED = Figure("truth_preferred", "truth preferred", "% of people", 0, 100)
@@ -76,7 +76,7 @@ class ShownOn:
 
     rate_hz: float
     pixels_per_degree: float
-    peak_cd_m2: float = PEAK_CD_M2
+    peak_cd_m2: float = _PEAK_CD_M2
     black_cd_m2: float = BLACK_CD_M2
 
 

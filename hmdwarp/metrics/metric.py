@@ -243,7 +243,7 @@ RELATIVE_STEP = 0.02
 # 1/m. A head motion of 0.3 m shifts so small a difference by 0.6 mrad, less than a pixel of any
 # headset: no visible edge.
 LEAST_STEP = 0.002
-EDGE_WIDTH_PX = 2
+_EDGE_WIDTH_PX = 2
 
 
 def border_holes(
@@ -316,7 +316,7 @@ def near_discontinuity(inverse_depth: NDArray[Any]) -> NDArray[np.bool_]:
         pixels[:, 1:] |= jump
     from scipy.ndimage import binary_dilation
 
-    return np.asarray(binary_dilation(near, np.ones((3, 3)), iterations=EDGE_WIDTH_PX - 1))
+    return np.asarray(binary_dilation(near, np.ones((3, 3)), iterations=_EDGE_WIDTH_PX - 1))
 
 
 def region_sums(

@@ -98,7 +98,7 @@ def pixel_centres(rows: slice, width: int) -> NDArray[np.float64]:
     return np.stack(np.broadcast_arrays(x[None, :], y[:, None]), axis=-1)
 
 
-SSIM_SIGMA = 1.5
+_SSIM_SIGMA = 1.5
 
 
 @attrs.frozen(eq=False)
@@ -205,7 +205,7 @@ class PairPass:
         self._light.write(linear_from_srgb(np.arange(256, dtype=np.uint8)).tobytes())
         constant = {"size": size, "sight": sight, "shape": shape, "white_from_rgb": _WHITE_FROM_RGB}
         compared = {**constant, "rgb_from_white": np.linalg.inv(_WHITE_FROM_RGB), "most": _green_from_blue()}
-        bell = np.exp(-((np.arange(-5, 6) / SSIM_SIGMA) ** 2) / 2)
+        bell = np.exp(-((np.arange(-5, 6) / _SSIM_SIGMA) ** 2) / 2)
         window = {"size": size, "bell": bell / bell.sum()}
         compute = gpu.shaders.compute
         self._flip = (

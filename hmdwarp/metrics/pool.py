@@ -16,12 +16,12 @@ from ..platforms import lower_priority
 from .metric import PRIMARY, QualityJob, QualityResult, measure
 
 _NICENESS = 5  # measuring must not slow down the loop whose passes are being timed
-MOST_WORKERS = 8  # each holds what it computes of one picture
+_MOST_WORKERS = 8  # each holds what it computes of one picture
 
 
 def worker_count(workers: int | None) -> int:
     """Return the number of measuring threads; by default one per core."""
-    return min(os.cpu_count() or 1, MOST_WORKERS) if workers is None else workers
+    return min(os.cpu_count() or 1, _MOST_WORKERS) if workers is None else workers
 
 
 class MeasuringThreads(ThreadPoolExecutor):

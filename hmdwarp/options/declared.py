@@ -482,14 +482,14 @@ class NoSettings:
     """No settings."""
 
 
-class HasSettings(Protocol):
+class _HasSettings(Protocol):
     """An entry of a registry that can be set."""
 
     name: ClassVar[str]
     Settings: ClassVar[type]  # An attrs class; each field has a default.
 
 
-Entry = TypeVar("Entry", bound=HasSettings)
+Entry = TypeVar("Entry", bound=_HasSettings)
 
 
 @attrs.frozen

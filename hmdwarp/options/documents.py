@@ -133,7 +133,7 @@ def _shown(key: str) -> str:
     return repr(key if len(key) <= 60 else f"{key[:57]}...").encode("ascii", "backslashreplace").decode()
 
 
-KeyPath = tuple[str | int, ...]
+_KeyPath = tuple[str | int, ...]
 _NEEDED = object()  # no default: the key is required
 T = TypeVar("T")
 
@@ -149,7 +149,7 @@ def quoted(value: object) -> str:
 class KeyFault(InputError):
     """A wrong key in a file; path: from the top, keys, and indices from 0 within arrays."""
 
-    def __init__(self, text: str, path: KeyPath) -> None:
+    def __init__(self, text: str, path: _KeyPath) -> None:
         super().__init__(text)
         self.path = path
 
@@ -161,7 +161,7 @@ class Table:
     KeyFault naming the key.
     """
 
-    def __init__(self, data: object, path: KeyPath = (), example: str = "") -> None:
+    def __init__(self, data: object, path: _KeyPath = (), example: str = "") -> None:
         self.path, self._example = path, example
         if not isinstance(data, dict):
             raise KeyFault(f"{_named(path)} is {quoted(data)}: expected a table of keys", path)
@@ -316,7 +316,7 @@ def fields_in(table: Table, kind: type[attrs.AttrsInstance]) -> dict[str, Any]:
     return found
 
 
-def _named(path: KeyPath) -> str:
+def _named(path: _KeyPath) -> str:
     """Join the keys, like 'part.condition.name'; the line number tells tables of one name apart."""
     return ".".join(part if re.fullmatch(r"[\w-]+", part) else repr(part) for part in path if isinstance(part, str))
 
@@ -336,7 +336,7 @@ _ENDS = ["\n" + text + end for text in ("", '"""', "'''") for end in ("", "\n]",
 _MOST_OPEN, _MOST_READ = 30, 5_000_000  # lines of a value that no end closes; characters in all, for seconds
 
 
-def line_of(text: str, path: KeyPath) -> int:
+def line_of(text: str, path: _KeyPath) -> int:
     """Return the line of a key in TOML, from 1 on; for a missing key that of its table; 0: unknown.
 
     No parser keeps them: it is that after the longest beginning of the text that lacks the key.

@@ -63,7 +63,7 @@ def velocity_of(parts: Sequence[NDArray[Any]], view: View, inverse_depth: NDArra
 
 
 # What an engine's z stands for, in 1/m: at z = 0 and at z = 1; None for vectors without z.
-ZRange = tuple[float, float] | None
+_ZRange = tuple[float, float] | None
 
 
 def _velocity(vectors: Array, told: Array, view: View, depth: Array) -> NDArray[np.float16]:
@@ -102,7 +102,7 @@ def _points(tangents: Array, x: Array, y: Array, inverse_depth: Array) -> Array:
     return along / inverse_depth[..., None]
 
 
-def _ndc(tangents: Array, points: Array, of_z: ZRange) -> Array:
+def _ndc(tangents: Array, points: Array, of_z: _ZRange) -> Array:
     """Return x, y from -1 to 1, y down, and z as the engine has it, 0 without."""
     left, right, down, up = tangents
     inverse = -1 / points[..., 2]

@@ -211,7 +211,7 @@ def _warp_name(value: str) -> str:
 
 HELD_GAZE, PREDICTED_GAZE = "held", "predicted"
 # Headings of options in help.
-AUTOMATIC, RENDERING, DISPLAYED = "Choosing warp and fill", "Rendering", "Display"
+_AUTOMATIC, _RENDERING, DISPLAYED = "Choosing warp and fill", "Rendering", "Display"
 RECORDED = SequenceOptions.heading
 # Depth of a pixel of several samples.
 MOST_SAMPLES = 16
@@ -274,7 +274,7 @@ class PipelineOptions(Declared):
         "",
         f"What the client can do: {names_in('client/classes', '*.toml')}, or a .toml file; what it lacks is refused, "
         "and never chosen. By default all, and picture where --warp auto chooses.",
-        heading=AUTOMATIC,
+        heading=_AUTOMATIC,
     )
     # With settings after a colon; "" for none by name. It sets other options, see values_of.
     strategy: str = option(
@@ -291,7 +291,7 @@ class PipelineOptions(Declared):
     )
     # Per eye; for warp "auto" only, which takes the most accurate warp and fill within it.
     budget_ms: float | None = option(
-        None, "Milliseconds for one eye that --warp auto keeps to.", valid=Number(above=True), heading=AUTOMATIC
+        None, "Milliseconds for one eye that --warp auto keeps to.", valid=Number(above=True), heading=_AUTOMATIC
     )
     # The bench.json that warp "auto" chooses from; None measures all warps on the run's own frames
     # first.
@@ -299,7 +299,7 @@ class PipelineOptions(Declared):
         None,
         "bench.json that --warp auto chooses from; by default it tries all on this run first.",
         convert=attrs.converters.optional(as_path),
-        heading=AUTOMATIC,
+        heading=_AUTOMATIC,
     )
     # Ignored by warp "auto", which chooses its own.
     fill: str = option(
@@ -314,14 +314,14 @@ class PipelineOptions(Declared):
         "auto",
         f"auto (what the scene calls for), none, or of {names_in('client/effects')}: NAME forces, no-NAME forbids.",
         study=PICTURE,
-        heading=RENDERING,
+        heading=_RENDERING,
     )
     # How the server draws plane mirrors, see server.Server.
     mirrors: str = option(
         "geometry",
         "Draw plane mirrors by geometry, or from what is on the screen (misses stay empty).",
         study=PICTURE,
-        heading=RENDERING,
+        heading=_RENDERING,
     )
     samples: int = option(
         4,
@@ -329,14 +329,14 @@ class PipelineOptions(Declared):
         "is what engines send, 1 draws jagged edges.",
         valid=Number(least=1, most=MOST_SAMPLES),
         study=PICTURE,
-        heading=RENDERING,
+        heading=_RENDERING,
     )
     # In the syntax of client.parse_indirect; only where the scene's lamps move.
     indirect: str = option(
         "converged",
         "Light between surfaces under lamps that move: converged, or voxels[:size=64,cones=6,bounces=4,updates=10], "
         "a grid that all views share.",
-        heading=RENDERING,
+        heading=_RENDERING,
     )
     # Where scenes move; what is drawn on the server knows all of it.
     client_motion: str = option(
@@ -346,7 +346,7 @@ class PipelineOptions(Declared):
         valid=one_of(FORESEEN, EXTRAPOLATED, HELD),
         limits=f"{FORESEEN}, {EXTRAPOLATED} or {HELD}",
         study=PICTURE,
-        heading=RENDERING,
+        heading=_RENDERING,
     )
     headset: str = option(
         "quest-3",
@@ -378,9 +378,9 @@ class PipelineOptions(Declared):
         # 1 shows pictures as drawn.
         attrs.Factory(lambda self: 1.0 if self.warp == "none" else DEFAULT_GUARD, takes_self=True),
         f" auto: as the trace needs. [default: {DEFAULT_GUARD:g}; 1 with warp none]",
-        heading=RENDERING,
+        heading=_RENDERING,
     )
-    rendered_size: tuple[int, int] | None = rendered_size_field(RENDERING)
+    rendered_size: tuple[int, int] | None = rendered_size_field(_RENDERING)
     # None for frames that are as sharp everywhere.
     fovea_deg: float | None = option(
         None,
@@ -388,20 +388,20 @@ class PipelineOptions(Declared):
         "rest is coarser. By default all is sharp.",
         name="fovea",
         valid=Number(above=True, most=179),
-        heading=RENDERING,
+        heading=_RENDERING,
     )
     rim: int = option(
         4,
         "Display pixels that one pixel covers on each axis beyond --fovea.",
         valid=Number(least=2, most=16),  # as Fovea has it; geometry brings NumPy
-        heading=RENDERING,
+        heading=_RENDERING,
     )
     gaze: str = option(
         HELD_GAZE,
         "Where --fovea is: at the gaze that the server knows when it draws, or at the one predicted for display.",
         valid=one_of(HELD_GAZE, PREDICTED_GAZE),
         limits=f"{HELD_GAZE} or {PREDICTED_GAZE}",
-        heading=RENDERING,
+        heading=_RENDERING,
     )
     fused: bool = option(
         False, "Warp and apply the lens in one resample; for gather warps, without fill.", heading=DISPLAYED
@@ -433,13 +433,13 @@ class PipelineOptions(Declared):
         valid=lambda *given: given[-1] in PREDICTORS or poses.predictors.get(given[-1]),
         kind=str,
         default=None,
-        heading=RENDERING,
+        heading=_RENDERING,
     )
     horizon_ms: float | None = option(
         None,
         "Milliseconds to predict ahead at most; by default the predictor's own.",
         valid=Number(),
-        heading=RENDERING,
+        heading=_RENDERING,
     )
     # What warp "auto" chooses from: of a live run, by the benchmark.
     levels: tuple[QualityLevel, ...] = ()

@@ -180,7 +180,7 @@ class Proxy(FrameSource):
         self._out.clear()
 
 
-class ProxySource(Source):
+class _ProxySource(Source):
     """A scene that is drawn here for a proxy, whose pictures are the frames."""
 
     kind = PROXY
@@ -240,7 +240,7 @@ def source_of(options: PipelineOptions) -> Source:
     if options.source_kind is REMOTE:
         feed = getattr(options, "feed", FeedOptions())
         return RemoteSource(options, feed, draws_truth=options.draws_truth)
-    return ProxySource(options) if options.source_kind is PROXY else Source(options)
+    return _ProxySource(options) if options.source_kind is PROXY else Source(options)
 
 
 def check_names(options: PipelineOptions) -> None:

@@ -49,7 +49,7 @@ _TELL_NS = 1_500_000_000
 _MOST_TOLD = 20
 # Requests that may be without an answer; what is older is never answered.
 _MOST_PENDING = 4096
-NO_PICTURE = (1, 1)  # asked for where nothing reads the eyes' pictures: a frame always has some
+_NO_PICTURE = (1, 1)  # asked for where nothing reads the eyes' pictures: a frame always has some
 
 
 @attrs.define(eq=False)
@@ -106,7 +106,7 @@ class Remote:
         # What was wrong with the layers of the last frame that was left out, and what was said.
         self._misfit = ""
         self._told: set[str] = set()
-        self._apart = ViewsApart()
+        self._apart = _ViewsApart()
         # How frames are to be coded; raw until it is set.
         self.wish, self._format = Wish(), message.ANY
         # What is read of the eyes' pictures; the rest is not sent.
@@ -148,7 +148,7 @@ class Remote:
         fovs, grown = guarded_eyes(views, guard, size)
         fovea, stand_for, rest = feed_coding.fovea_of(needs if needs is not None else Needs())
         read = self.pictures | stand_for
-        grown = grown if read else NO_PICTURE
+        grown = grown if read else _NO_PICTURE
         wide = tuple(view.within(fov) for view, fov in zip(views, fovs, strict=True))
         if not self._takes_hidden:  # it draws all of it, or has not said yet
             wide = tuple(attrs.evolve(view, hidden=None) for view in wide)
@@ -419,7 +419,7 @@ _SAME_DEG, _SAME_M, _SAME_SHARE = 1e-4, 1e-6, 1e-6
 
 
 @attrs.define
-class ViewsApart:
+class _ViewsApart:
     """The largest difference of drawn views from requested ones."""
 
     turned_deg: float = 0.0
@@ -554,7 +554,7 @@ class RemoteRenderer(Renderer):
     def __init__(self, gpu: Gpu, scene: Scene, feed: FeedOptions) -> None:
         super().__init__(gpu, scene)
         self._viewer = Viewer(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
-        self._apart = ViewsApart()
+        self._apart = _ViewsApart()
 
     def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
         """Return what the server draws for the view. Errors: NoTruth where it draws nothing."""
@@ -641,10 +641,10 @@ class RemoteFrames(FrameSource):
 
     def channel(self, setup: ChannelSetup) -> Channel:
         """Return the channel of what arrives by the feed."""
-        return RemoteChannel(setup, self)
+        return _RemoteChannel(setup, self)
 
 
-class RemoteChannel(Channel):
+class _RemoteChannel(Channel):
     """The channel of frames that arrive by the feed: what was measured of it, then the link.
 
     The link emulates what its options say, behind the real network: frames are decoded as they

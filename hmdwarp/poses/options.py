@@ -16,7 +16,7 @@ PREDICTORS = dict.fromkeys(("cautious", "cav", "constant_velocity", "none", "on"
 DEFAULT_PREDICTOR = "cautious"  # errs short, see docs/results-link.md
 FRAMES = "frames"
 TIME_UNITS = ("s", "ms", "us", "ns", "100ns", FRAMES)
-QUAT_ORDERS = ("xyzw", "wxyz")
+_QUAT_ORDERS = ("xyzw", "wxyz")
 DIRECT, INVERSE = "direct", "inverse"
 ROWS, COLUMNS = "rows", "columns"
 
@@ -68,7 +68,7 @@ class TraceOptions(Declared):
         None, f"Read the trace as this format: {names_in('poses/formats')}; by default it is detected."
     )
     quat_order: str | None = option(
-        None, "Order of quaternions, xyzw or wxyz, where the file does not say.", valid=one_of(*QUAT_ORDERS)
+        None, "Order of quaternions, xyzw or wxyz, where the file does not say.", valid=one_of(*_QUAT_ORDERS)
     )
     up: str | None = option(  # See `reading.axes.parse_axes`
         None, "What is up in the file: an axis (y, z, -z); right,up,forward (x,z,y); or a direction (0.04,0.95,0.3)."

@@ -116,7 +116,7 @@ SPEED_PERCENTILES = (50, 95, 99, 99.9)
 
 
 @attrs.frozen
-class ErrorRow:
+class _ErrorRow:
     """Angles between the head and its predictions of `latency_ms` before; NaN in a short track."""
 
     latency_ms: int
@@ -137,7 +137,7 @@ class Analysis:
     jumps: int
     angular_speed_deg_s: tuple[float, ...]  # at SPEED_PERCENTILES
     linear_speed_m_s: tuple[float, ...]  # at SPEED_PERCENTILES
-    errors: list[ErrorRow]  # one row per latency
+    errors: list[_ErrorRow]  # one row per latency
     gaze_known: float | None = None  # share of the samples; None for a track without gaze
 
 
@@ -170,7 +170,7 @@ def speeds(track: PoseTrack) -> tuple[Array, Array]:
     return angle / seconds, np.linalg.norm(after.position_m - before.position_m, axis=1) / seconds
 
 
-def error_row(track: PoseTrack, latency_ms: int) -> ErrorRow:
+def error_row(track: PoseTrack, latency_ms: int) -> _ErrorRow:
     """Return the angles between the head at t and its predictions from t - latency."""
     latency = latency_ms * _MS
     now = _instants(track, latency + KNOWN_NS, 0)
@@ -183,7 +183,7 @@ def error_row(track: PoseTrack, latency_ms: int) -> ErrorRow:
         missed = np.linalg.norm(np.degrees(quaternions.vector_between(truth, predicted)), axis=-1)
         mean = float(missed.mean()) if len(missed) else math.nan
         errors[predictor.name] = PredictionErrors(mean, _percentiles(missed, ERROR_PERCENTILES))
-    return ErrorRow(latency_ms, errors, len(now))
+    return _ErrorRow(latency_ms, errors, len(now))
 
 
 def _instants(track: PoseTrack, before_ns: int, after_ns: int) -> NDArray[np.int64]:

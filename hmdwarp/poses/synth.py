@@ -44,7 +44,7 @@ GRID_NS = 4_000_000
 KEPT_NS = 250_000_000
 # No input for this long means that the program was suspended, or busy with a new scene.
 DEAF_NS = 1_000_000_000
-STILL_M_S, STILL_RAD = 1e-6, 1e-9
+_STILL_M_S, STILL_RAD = 1e-6, 1e-9
 
 
 @attrs.frozen(eq=False)
@@ -83,7 +83,7 @@ class _State:
 
     def settled(self) -> _State:
         """Return it without residual motion, which an exponential never loses."""
-        halted = not any(self.wish) and max(map(abs, self.velocity)) < STILL_M_S
+        halted = not any(self.wish) and max(map(abs, self.velocity)) < _STILL_M_S
         state = attrs.evolve(self, velocity=(0.0, 0.0, 0.0)) if halted else self
         turned = max(abs(self.yaw - self.yaw_goal), abs(self.pitch - self.pitch_goal)) < STILL_RAD
         return attrs.evolve(state, yaw=self.yaw_goal, pitch=self.pitch_goal) if turned else state
@@ -169,11 +169,11 @@ Array = NDArray[np.float64]
 
 # From the top of the neck to between the eyes: up and forward, as in the neck models of mobile VR
 # (0.075 m and 0.080 m).
-NECK_TO_EYES_M = np.array([0.0, 0.075, -0.080])
+_NECK_TO_EYES_M = np.array([0.0, 0.075, -0.080])
 # A shift of A degrees takes 0.28 s + 5.8 ms/degree: 10 degrees peak at 55 deg/s, 30 at 124, 90 at
 # 210. Chosen, with the pauses and the drift of `_look_around`, to meet the speeds of 264 recorded
 # heads (30/113/191 deg/s at p50/p95/p99).
-SHIFT_BASE_S, SHIFT_PER_DEG_S = 0.28, 0.0058
+_SHIFT_BASE_S, SHIFT_PER_DEG_S = 0.28, 0.0058
 DECIMALS = (6, 8)  # 1 um and 1e-8: coarser than the last bit, in which sines may differ between machines
 RATE_HZ = 90.0
 _LONGEST_S, _FASTEST_HZ = 3600.0, 1000.0
@@ -191,7 +191,7 @@ class Motion:
     pitch: Array  # up
     roll: Array  # the right shoulder's left
     place: Array
-    neck_to_eyes_m: Array = NECK_TO_EYES_M  # zeros for a head that turns about its eyes
+    neck_to_eyes_m: Array = _NECK_TO_EYES_M  # zeros for a head that turns about its eyes
 
 
 _LEAST = 1e-3  # of a glide's speed and amplitude
@@ -314,7 +314,7 @@ def write_synthetic(track: PoseTrack, stream: IO[str]) -> None:
 
 def shift_seconds(amplitude_deg: float, vigour: float = 1.0) -> float:
     """Return the duration of a gaze shift; vigour above 1 is faster."""
-    return (SHIFT_BASE_S + SHIFT_PER_DEG_S * abs(amplitude_deg)) / vigour
+    return (_SHIFT_BASE_S + SHIFT_PER_DEG_S * abs(amplitude_deg)) / vigour
 
 
 def minimum_jerk(share: Array) -> Array:
@@ -350,7 +350,7 @@ def _sway(rng: random.Random, t: Array, size: float = 1.0) -> Array:
     sway = np.stack(
         [_sines(rng, t, 0.012, 0.1, 0.9), _sines(rng, t, 0.003, 0.2, 0.6), _sines(rng, t, 0.022, 0.1, 0.9)], axis=1
     )
-    return np.asarray(size * sway + np.array(_START) - NECK_TO_EYES_M)
+    return np.asarray(size * sway + np.array(_START) - _NECK_TO_EYES_M)
 
 
 def _wander(rng: random.Random, seconds: float, span: float, speed: tuple[float, float]) -> list[Shift]:
@@ -430,7 +430,7 @@ def _fast_turns(rng: random.Random, seconds: float, t: Array) -> Motion:
     return Motion(_sum_of(yaw, t), _sines(rng, t, 4.0, 0.2, 1.0), _sines(rng, t, 2.0, 0.2, 1.0), _sway(rng, t))
 
 
-WALK_HALF_AXES_M = (0.68, 1.2)
+_WALK_HALF_AXES_M = (0.68, 1.2)
 _STEP_HZ = 1.8
 _LAP_S = 8.5
 _LEAD_S = 0.35
@@ -460,7 +460,7 @@ def _walk(rng: random.Random, seconds: float, t: Array) -> Motion:
     # The head nods against the bob and so keeps the gaze steady (Pozzo et al. 1990).
     pitch = -6.0 * going - 1.0 * going * np.sin(step + 0.5 * math.pi) + _sines(rng, t, 3.0, 0.1, 0.7)
     roll = 0.8 * going * np.sin(step / 2) + _sines(rng, t, 1.0, 0.1, 0.7)
-    place = place + 0.5 * (_sway(rng, t) - np.array([0.0, EYE_HEIGHT_M, 0.0]) + NECK_TO_EYES_M)
+    place = place + 0.5 * (_sway(rng, t) - np.array([0.0, EYE_HEIGHT_M, 0.0]) + _NECK_TO_EYES_M)
     return Motion(heading + glances, pitch, roll, place)
 
 
@@ -478,10 +478,10 @@ def _path(t: Array, seconds: float) -> tuple[Array, Array]:
     whole = np.floor(lap)
     phase = 2 * math.pi * (lap - whole)
     side = np.where(whole % 2 == 0, -1.0, 1.0)  # first to the left
-    a, b = WALK_HALF_AXES_M
+    a, b = _WALK_HALF_AXES_M
     x, z = side * a * (1 - np.cos(phase)), -b * np.sin(phase)
     turned = np.degrees(np.unwrap(np.arctan2(-side * a * np.sin(phase), b * np.cos(phase)), period=2 * math.pi))
-    place = np.stack([x, np.full_like(t, EYE_HEIGHT_M), z], axis=1) - NECK_TO_EYES_M
+    place = np.stack([x, np.full_like(t, EYE_HEIGHT_M), z], axis=1) - _NECK_TO_EYES_M
     return place, turned
 
 

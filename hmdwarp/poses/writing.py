@@ -21,10 +21,10 @@ AXES = "world_from_head in OpenXR axes: right-handed, +x right, +y up, -z forwar
 _BLOCK = 65536  # rows written at a time
 _LARGEST_NS = 2**62  # what the readers accept
 _SECOND_NS = 1_000_000_000
-MCAP_AXES = "ros"
+_MCAP_AXES = "ros"
 
 
-def clock_offset_ns(track: PoseTrack) -> int:
+def _clock_offset_ns(track: PoseTrack) -> int:
     """Return what restores the recording's own clock; 0 where that is beyond 2^62 ns."""
     fits = abs(track.epoch_ns + track.start_ns) < _LARGEST_NS and abs(track.epoch_ns + track.end_ns) < _LARGEST_NS
     return track.epoch_ns if fits else 0
@@ -40,7 +40,7 @@ def write_rows(
     writes the shortest text that reads back as the same number. gaze: where the eyes look, too, if
     the track has it; 0 0 0 where it is not known.
     """
-    offset, columns = clock_offset_ns(track), ["xyzw".index(c) for c in order]
+    offset, columns = _clock_offset_ns(track), ["xyzw".index(c) for c in order]
     seen = track.gaze if gaze else None
     row = ""
     for a in range(0, len(track), _BLOCK):
@@ -101,12 +101,12 @@ def _write_mcap(track: PoseTrack, stream: IO[bytes]) -> None:
     schema = {"title": "foxglove.PoseInFrame", **object_of(timestamp=stamp, frame_id={"type": "string"}, pose=pose)}
     writer = import_extra("mcap.writer", "mcap", EXTRA).Writer(stream)
     writer.start(profile="", library="hmdwarp")
-    writer.add_metadata(METADATA, {"axes": MCAP_AXES, "origin": track.origin})
+    writer.add_metadata(METADATA, {"axes": _MCAP_AXES, "origin": track.origin})
     known = writer.register_schema(schema["title"], "jsonschema", json.dumps(schema).encode())
     channel = writer.register_channel("/head", "json", known)
-    times = track.time_ns + clock_offset_ns(track)
+    times = track.time_ns + _clock_offset_ns(track)
     times -= min(0, int(times[0]))  # a log begins at 0 or later
-    basis = parse_axes(MCAP_AXES).world
+    basis = parse_axes(_MCAP_AXES).world
     position, turned = track.position_m @ basis, track.orientation_xyzw[:, :3] @ basis
     turned = np.column_stack([turned, track.orientation_xyzw[:, 3]])
     for time_ns, p, q in zip(times.tolist(), position.tolist(), turned.tolist(), strict=True):

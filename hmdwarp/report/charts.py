@@ -85,7 +85,7 @@ def drawing(content: object, font_size: float = 9) -> Iterator[None]:
         yield
 
 
-def dress(axes: Axes, *, grid: Literal["both", "x", "y"] = "both") -> None:
+def _dress(axes: Axes, *, grid: Literal["both", "x", "y"] = "both") -> None:
     """Draw no box, a pale grid, everything else in ink; grid: the axis whose lines are drawn."""
     axes.patch.set_visible(False)
     axes.grid(True, axis=grid, color=GRID, linewidth=0.6)
@@ -98,7 +98,7 @@ def dress(axes: Axes, *, grid: Literal["both", "x", "y"] = "both") -> None:
         axis.label.set_color(INK)
 
 
-def not_measured(axes: Axes) -> None:
+def _not_measured(axes: Axes) -> None:
     """Say in the middle of empty axes that there is nothing to draw."""
     axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center", va="center", color=INK)
 
@@ -149,7 +149,7 @@ def canvas(
     with drawing(content, font_size):
         figure = empty_figure(*size_in, layout=None if box else "constrained")
         axes = axes_in(figure, box) if box else figure.add_subplot()
-        dress(axes, grid=grid)
+        _dress(axes, grid=grid)
         axes.set(xlabel=x, ylabel=y)
         yield axes
 
@@ -231,7 +231,7 @@ class Series:
 
 
 @attrs.frozen(eq=False)
-class Band:
+class _Band:
     """A series in bins of time, without empty bins: mean, least and largest value of each."""
 
     time_s: NDArray[np.float64]
@@ -240,7 +240,7 @@ class Band:
     high: NDArray[np.float64]
 
 
-def binned(series: Series, bins: int = _MOST_POINTS) -> Band:
+def binned(series: Series, bins: int = _MOST_POINTS) -> _Band:
     """Make one point of the values of one instant (the two eyes); pool the instants into `bins`."""
     there = np.isfinite(series.value)
     time_s, value = series.time_s[there], series.value[there]
@@ -255,7 +255,7 @@ def binned(series: Series, bins: int = _MOST_POINTS) -> Band:
     np.minimum.at(low, index, value)
     np.maximum.at(high, index, value)
     mean = np.bincount(index, value, minlength=count) / amount
-    return Band(np.bincount(index, time_s, minlength=count) / amount, mean, low, high)
+    return _Band(np.bincount(index, time_s, minlength=count) / amount, mean, low, high)
 
 
 def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True, points: bool = False) -> str:
@@ -282,7 +282,7 @@ def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True, 
             axes.set_ylim(bottom=0)
             axes.set_ylim(top=max(axes.get_ylim()[1], 1e-9))
         if not drawn:
-            not_measured(axes)
+            _not_measured(axes)
         elif len(series) > 1:
             handles, _ = axes.get_legend_handles_labels()
             above: Style = {"loc": "lower left", "bbox_to_anchor": (0, 1), "ncols": 2}
@@ -369,12 +369,12 @@ class Spot:
     number: int | None
 
 
-def draw_spots(axes: Axes, spots: Sequence[Spot], *, higher: bool = False) -> None:
+def _draw_spots(axes: Axes, spots: Sequence[Spot], *, higher: bool = False) -> None:
     """Draw methods, those of a look joined, the front filled. higher: whether higher is better."""
     if not spots:
         axes.set_xticks([])
         axes.set_yticks([])
-        not_measured(axes)
+        _not_measured(axes)
         return
     cost = scale_axis(axes.xaxis, np.array([spot.cost for spot in spots]), logarithmic=True)
     errors = np.array([spot.error for spot in spots], np.float64).ravel()
@@ -426,7 +426,7 @@ def spots_chart(
         size, place["bbox_to_anchor"] = (width_in, foot + 2.8), (0, foot / (foot + 2.8))
         box = (0.5, foot + 0.4, width_in - 0.08, foot + 2.5)
     with canvas((content, width_in), size, x=x, y=y, box=box, font_size=font_size) as axes:
-        draw_spots(axes, spots, higher=higher)
+        _draw_spots(axes, spots, higher=higher)
         if spots:
             axes.annotate("better ↖" if higher else "better ↙", (1, 1), (0, 4), **_ABOVE, ha="right", color=INK)
         key = mark("Pareto front (filled, bold)", linewidth=1.1, alpha=0.55)

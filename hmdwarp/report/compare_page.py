@@ -74,7 +74,7 @@ _SHOWN = (
     *("start_bytes", "client_bytes"),
 )
 # What a front is drawn over: the error against each of these.
-COSTS = ("client_ms", "mbit_s")
+_COSTS = ("client_ms", "mbit_s")
 
 
 def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> page.Page:
@@ -199,7 +199,7 @@ def _client(client: Mapping[str, str], groups: Sequence[Case], numbers: Mapping[
             columns = [COLUMNS[name] for name in ("flip", "psnr_db", "client_ms", "server_ms", "mbit_s")]
             parts = [f"{column.figure.label} {column.text(best)} {column.figure.unit}".strip() for column in columns]
             least = f"Least error: {best['strategy']} ({', '.join(parts[:2])}; {', '.join(parts[2:])})."
-        charts = [_front(can, client["name"], cost, numbers) for cost in COSTS]
+        charts = [_front(can, client["name"], cost, numbers) for cost in _COSTS]
         folds.append(page.Fold(group.label, [page.Group("charts", charts)], least, is_open=not folds))
     return page.Article([page.Heading(client["name"]), page.Text(client["summary"], ""), *folds], id=client["name"])
 

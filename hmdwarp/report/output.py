@@ -24,7 +24,7 @@ from ..options.named_files import RESULTS
 from ..resources import __version__
 from .files import Partial, keep_private, write_bytes, write_csv, write_error, write_json, write_png, write_text
 
-STAGING = ".partial-"
+_STAGING = ".partial-"
 MARK = "hmdwarp"  # key of the version in the last file of a folder, by which it is known as ours
 
 
@@ -71,7 +71,7 @@ class OutputFolder:
             self._made = missing[-1] if missing else None
             self.folder.mkdir(parents=True, exist_ok=True)
             mode = 0o700 if private else 0o777
-            staged = Partial.make(self.folder, STAGING, mode=mode, is_folder=True, last=last)
+            staged = Partial.make(self.folder, _STAGING, mode=mode, is_folder=True, last=last)
             self._staging, self._close = staged.path, staged.close
             # A run that was killed while it gave the names has no `last` next to them.
             self._may_replace |= bool(staged.ended)

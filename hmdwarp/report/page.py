@@ -19,7 +19,7 @@ from . import run_texts
 from .charts import css_variables
 from .files import jpeg_bytes, png_bytes
 
-CLOCK_NAMES = {"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}
+_CLOCK_NAMES = {"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}
 Pairs = list[tuple[str, str]]
 texts = run_texts.texts
 
@@ -193,7 +193,7 @@ def machine_pairs(version: str, machine: Mapping[str, Any], clock: str | None) -
     """Return what a run was made with. clock: its name in summary.json."""
     labels = {"gl_renderer": "GL renderer", "gl_version": "GL version", "cpu_count": "CPU cores"}
     pairs = [("hmdwarp", version), *((labels[key], str(machine[key])) for key in labels if key in machine)]
-    return [*pairs, ("Clock", CLOCK_NAMES.get(clock or "", str(clock)))]
+    return [*pairs, ("Clock", _CLOCK_NAMES.get(clock or "", str(clock)))]
 
 
 def minutes(seconds: float) -> str:

@@ -77,7 +77,7 @@ def render_report(
     summary, baselines: as summary.json. rows, baselines_rows: as frames.csv's, None for absent
     values. command: as the user typed it. notes: the run's, one sentence each. gate: its verdict.
     """
-    names, notes_of = column_names(summary, *baselines), texts("replay")["notes"]
+    names, notes_of = _column_names(summary, *baselines), texts("replay")["notes"]
     truth = "what a renderer without any delay would have shown at that instant"
     truth = truth if "recorded" not in summary else "the recorded frame nearest to that instant"
     axes = Markup(" in axes <b>{}</b>").format(summary["trace_axes"]) if summary.get("trace_axes") else ""
@@ -107,7 +107,7 @@ def render_report(
         )
     about = notes_of["figures"].format(
         rising=run_texts.listed([metric.label for metric in metrics_in_order() if metric.higher_is_better]),
-        sure=how_sure(summary, mark="★" if baselines else None),
+        sure=_how_sure(summary, mark="★" if baselines else None),
     ) + (notes_of["compared"] if baselines else "")
     about += "".join(f" {name} ran with fill {one['fill']} and lens {one['lens']}." for name, one in others)
     regions: Mapping[str, Any] = summary.get("regions") or {}
@@ -132,7 +132,7 @@ def render_report(
             page.fact("head trace", summary["trace"], axes),
             *(page.fact(*pair) for pair in run_texts.source_facts(summary)),
             *(page.fact(name, summary[name]) for name in ("fill", "predict", "lens", "headset")),
-            size_fact(summary),
+            _size_fact(summary),
             f"{summary['frames']} frames" + ("" if count is None else f", {count} of {pictures} pictures measured"),
         ],
         command=command,
@@ -143,7 +143,7 @@ def render_report(
             page.Section("Worst frames", shown and [page.Text(notes_of["worst"]), *shown, page.Text(_SCALE, "scale")]),
             page.Section("Figures", [comparison_table(summary, *baselines), page.Text(about)]),
             page.Section("Where the error lies", by_region if is_parted else []),
-            transit_section(summary, ("Holes, of all pixels", run_texts.filled_rows(summary)),
+            _transit_section(summary, ("Holes, of all pixels", run_texts.filled_rows(summary)),
                             ("On the client, uncompressed", run_texts.model_rows(summary))),
             page.Section("Over time", [page.Group("charts", charts), page.Text(about_charts)]),
             page.reading_section(
@@ -159,7 +159,7 @@ def made_with(summary: Summary) -> list[tuple[str, str]]:
     return [*pairs, ("Effects", ", ".join(summary["effects"]) or "none")]
 
 
-def size_fact(summary: Summary) -> Markup:
+def _size_fact(summary: Summary) -> Markup:
     """Return the size of an eye's picture, and what was rendered where that is more."""
     size = Markup("{}×{} per eye").format(*summary["size"])
     rendered = summary.get("rendered")
@@ -170,7 +170,7 @@ def size_fact(summary: Summary) -> Markup:
     return size + more.format("×".join(map(str, rendered["size"])), rendered["pixels"], across, down)
 
 
-def transit_section(summary: Summary, *more: tuple[str, Sequence[tuple[str, str]]]) -> page.Section | None:
+def _transit_section(summary: Summary, *more: tuple[str, Sequence[tuple[str, str]]]) -> page.Section | None:
     """Return the section on the frames in transit. more: heading and pairs of further tables."""
     response = run_texts.response_rows(summary)
     if not response:
@@ -226,11 +226,11 @@ def comparison_table(summary: Summary, *baselines: Summary) -> Table:
             cells += [Cell(mean, "best" if number == best else ""), Cell(figure.text(entry["p95"]), "tail")]
         groups = {run_texts.QUALITY_FIGURES[0]: "Picture, mean", run_texts.TIME_FIGURES[0]: "Time per eye, median"}
         lines.append(Line(tuple(cells), group=groups.get(figure, "")))
-    heads = [("", ""), *(pair for name in column_names(summary, *baselines) for pair in ((name, ""), ("p95", "")))]
+    heads = [("", ""), *(pair for name in _column_names(summary, *baselines) for pair in ((name, ""), ("p95", "")))]
     return Table("", heads, lines, label="Figures")
 
 
-def how_sure(summary: Summary, *, mark: str | None) -> str:
+def _how_sure(summary: Summary, *, mark: str | None) -> str:
     """Return what the intervals are and what a mark (None for none) says, or why none are."""
     if all(entry.get("interval") is None for entry in summary["quality"].values()):
         return f"No intervals{f' and no {mark}' if mark else ''}: they need {LEAST_INSTANTS} measured refreshes"
@@ -238,7 +238,7 @@ def how_sure(summary: Summary, *, mark: str | None) -> str:
     return f"± or (low to high): 95 % interval of the mean{best}"
 
 
-def column_names(summary: Summary, *baselines: Summary) -> list[str]:
+def _column_names(summary: Summary, *baselines: Summary) -> list[str]:
     """Return the heads of the comparison's columns: the options that differ, at least the warp."""
     for keys in (("warp",), ("warp", "fill"), ("warp", "fill", "lens")):
         names = [", ".join(s[key] for key in keys) for s in (summary, *baselines)]
@@ -259,7 +259,7 @@ def summary_table(summary: Summary, *baselines: Summary) -> TerminalTable:
     clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
     lines = ["mean over measured pictures; p95: 5 % are worse", f"times: median per eye, {clock}"]
     lines[1] += "".join("; baseline {warp}: fill {fill}, lens {lens}".format(**one) for one in baselines)
-    caption = "\n".join([*lines, how_sure(summary, mark="*" if baselines else None)])
+    caption = "\n".join([*lines, _how_sure(summary, mark="*" if baselines else None)])
     table = comparison_table(summary, *baselines)
     tails = range(2, 3 if len(baselines) > 1 else 5)
     shown = [at for at in range(len(table.heads)) if at == 0 or at % 2 or at in tails]
@@ -303,13 +303,13 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
         kind="live",
         title=f"hmdwarp live: {summary['warp']} at {summary['latency_ms']:g} ms, {live['source']}",
         heading=(summary["warp"], f"at {summary['latency_ms']:g} ms"),
-        facts=[*(page.fact(*pair) for pair in pairs), size_fact(summary), pictures],
+        facts=[*(page.fact(*pair) for pair in pairs), _size_fact(summary), pictures],
         command=command,
         sections=(
             page.Section("", _live_tiles(summary), style="tiles", label="Main figures"),
             page.notes_section(summary["notes"]),
             _refresh(summary),
-            transit_section(summary),
+            _transit_section(summary),
             page.Section("Changes", [page.Terms(changes, "changes")] if changes else []),
             page.Section("Over time", over_time),
             page.reading_section(

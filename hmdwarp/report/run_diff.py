@@ -111,7 +111,7 @@ def _number(text: str | None) -> float | str | None:
 
 
 @attrs.frozen
-class FigureChange:
+class _FigureChange:
     """A figure of both runs; None where a run lacks it."""
 
     key: str
@@ -152,7 +152,7 @@ class FigureChange:
         return values | {"change": change, "verdict": _WORDS[self.is_better]}
 
 
-def figures_table(changes: Sequence[FigureChange]) -> Table:
+def _figures_table(changes: Sequence[_FigureChange]) -> Table:
     """Return changes as the table of every output: terminal, page, step summary."""
     lines = [
         Line((
@@ -167,7 +167,7 @@ def figures_table(changes: Sequence[FigureChange]) -> Table:
 
 
 @attrs.frozen(eq=False)
-class PictureDiff:
+class _PictureDiff:
     """A picture of both runs that differs."""
 
     name: str
@@ -186,14 +186,14 @@ class RunDiff:
     # (key, value of the first, value of the second)
     setup: list[tuple[str, Any, Any]]
     # Beyond the tolerances, the largest change first.
-    figures: list[FigureChange]
+    figures: list[_FigureChange]
     # All that were compared.
     compared: list[str]
     # How many figures differ, but no more than they may.
     allowed: int
     # Of frames.csv: how many rows differ, and what in the first that does.
     refreshes: list[str]
-    pictures: list[PictureDiff]
+    pictures: list[_PictureDiff]
     # What does not make them differ, but may explain it.
     notes: list[str]
 
@@ -218,14 +218,14 @@ class RunDiff:
         """Return what differs in lines: the set-up, the table of figures, refreshes, pictures."""
         return [
             *(f"{key}: {' -> '.join(_texts(a, b))}" for key, a, b in self.setup),
-            *(figures_table(self.figures).text().splitlines() if figures and self.figures else ()),
+            *(_figures_table(self.figures).text().splitlines() if figures and self.figures else ()),
             *self.refreshes,
             *(f"{one.name}: {one.told}" for one in self.pictures),
         ]
 
     def blocks(self) -> list[Any]:
         lines = self.lines(figures=False)
-        return [*[figures_table(self.figures)] * bool(self.figures), *[page.Sentences(lines)] * bool(lines)]
+        return [*[_figures_table(self.figures)] * bool(self.figures), *[page.Sentences(lines)] * bool(lines)]
 
     def entry(self) -> dict[str, Any]:
         return {
@@ -268,11 +268,11 @@ class RunDiff:
         ).html()
 
 
-Allows = Callable[[str, Any, Any], bool]
+_Allows = Callable[[str, Any, Any], bool]
 
 
 def diff_runs(
-    first: StoredRun, second: StoredRun, allows: Allows = is_same, pixels: tuple[float, float] = (0.0, 0.0)
+    first: StoredRun, second: StoredRun, allows: _Allows = is_same, pixels: tuple[float, float] = (0.0, 0.0)
 ) -> RunDiff:
     """Return what differs between two replays by more than the tolerances.
 
@@ -281,10 +281,10 @@ def diff_runs(
     Errors: InputError for files that cannot be read.
     """
     setup: list[tuple[str, Any, Any]] = []
-    figures: list[FigureChange] = []
+    figures: list[_FigureChange] = []
     for key, a, b in _leaves(first.summary, second.summary):
         if key.partition(".")[0] in SECTIONS and not isinstance(a or b, str):
-            figures.append(FigureChange(key, a, b))
+            figures.append(_FigureChange(key, a, b))
         elif not is_same(key, a, b):
             setup.append((key, a, b))
     ours, theirs = ({"version": run.summary["hmdwarp"], **run.summary["machine"]} for run in (first, second))
@@ -313,7 +313,7 @@ def _leaves(a: Any, b: Any, key: str = "") -> Iterator[tuple[str, Any, Any]]:
         yield key, a, b
 
 
-def _refreshes(first: StoredRun, second: StoredRun, allows: Allows, notes: list[str]) -> list[str]:
+def _refreshes(first: StoredRun, second: StoredRun, allows: _Allows, notes: list[str]) -> list[str]:
     ours, theirs = first.rows(), second.rows()
     if not ours or not theirs:
         missing = (first if not ours else second).named
@@ -334,7 +334,7 @@ def _refreshes(first: StoredRun, second: StoredRun, allows: Allows, notes: list[
     return found and [f"{len(found)} of {counted(len(ours), 'row')} of frames.csv differ, the first: {found[0]}"]
 
 
-def _pictures(first: StoredRun, second: StoredRun, pixels: tuple[float, float]) -> Iterator[PictureDiff]:
+def _pictures(first: StoredRun, second: StoredRun, pixels: tuple[float, float]) -> Iterator[_PictureDiff]:
     ours, theirs = ({**run.summary["digests"], "frames.csv": {}} for run in (first, second))
     for name in dict.fromkeys([*ours, *theirs]):
         here, there = ours.get(name), theirs.get(name)
@@ -342,25 +342,25 @@ def _pictures(first: StoredRun, second: StoredRun, pixels: tuple[float, float]) 
             continue
         kept, there_in = (first.panels(name), second.panels(name)), (first.named, second.named)
         if here is None or there is None:
-            yield PictureDiff(name, f"is not in {there_in[here is not None]}")
+            yield _PictureDiff(name, f"is not in {there_in[here is not None]}")
         elif kept[0] is None or kept[1] is None:
-            yield PictureDiff(name, f"differs, and is not kept in {there_in[kept[0] is not None]}")
+            yield _PictureDiff(name, f"differs, and is not kept in {there_in[kept[0] is not None]}")
         else:
             for label in dict.fromkeys([*here, *there]):
                 found = _panel(f"{name}, {label}", kept[0].get(label), kept[1].get(label), *pixels)
                 yield from [found] if found is not None and here.get(label) != there.get(label) else []
 
 
-def _panel(name: str, a: Pixels | None, b: Pixels | None, levels: float, share: float) -> PictureDiff | None:
+def _panel(name: str, a: Pixels | None, b: Pixels | None, levels: float, share: float) -> _PictureDiff | None:
     if a is None or b is None or a.shape != b.shape:
         sizes = ("none" if one is None else f"{one.shape[1]}x{one.shape[0]}" for one in (a, b))
-        return PictureDiff(name, f"pixels: {' -> '.join(sizes)}")
+        return _PictureDiff(name, f"pixels: {' -> '.join(sizes)}")
     apart = np.abs(a.astype(np.int16) - b).max(axis=2)
     if (beyond := float((apart > levels).mean())) <= share:
         return None
     magnified = np.repeat(np.minimum(apart * _MAGNIFY, 255).astype(np.uint8)[..., None], 3, axis=2)
     told = f"{100 * beyond:.2g} % of the pixels differ, by at most {apart.max()} of 255"
-    return PictureDiff(name, told, beyond, int(apart.max()), (a, b, magnified))
+    return _PictureDiff(name, told, beyond, int(apart.max()), (a, b, magnified))
 
 
 def _texts(*values: Any) -> list[str]:

@@ -19,6 +19,14 @@ Row = Mapping[str, Any]
 Lines = tuple[Heads, list[list[str]]]
 
 
+def _wrapped(name: str) -> str:
+    # After a comma first: "forward + interpolate, 200 ms" keeps its 200 ms together. Then at a
+    # space, or after the plus of a chain of fills.
+    parts = (part.replace("+", "+\0 ").replace("+\0  ", "+ ") for part in name.split(", "))
+    lines = (line for part in parts for line in textwrap.wrap(part, _WRAP, break_on_hyphens=False) or [part])
+    return "\n".join(line.replace("\0 ", "").replace("\0", "") for line in lines)
+
+
 def _condition_text(row: Row) -> str:
     """Return a condition's name, marked as the hidden reference unless the name says so."""
     unmarked = not row["reference"] or "reference" in row["condition"].lower()
@@ -129,9 +137,7 @@ def _ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
                 across: Style = {"linewidth": 2.2, "zorder": 2, "solid_capstyle": "butt"}
                 axes.plot([at - 0.3, at + 0.3], [row["median"]] * 2, color=INK, **across)
                 axes.plot(at - 0.36, row["mean"], ">", markersize=6, color=INK, zorder=4)
-        labels = [
-            f"{textwrap.fill(_condition_text(row), _WRAP)}\nn = {row['n']}" for row in map(by_name.__getitem__, names)
-        ]
+        labels = [f"{_wrapped(_condition_text(row))}\nn = {row['n']}" for row in map(by_name.__getitem__, names)]
         axes.set_xticks(range(len(names)), labels)
         axes.set_xlim(-0.6, len(names) - 0.4)
         axes.set_ylim(_limits(measure, values))
@@ -190,7 +196,7 @@ def _score_chart(part: Row) -> str:
             if row["low"] is not None:
                 axes.plot([row["low"], row["high"]], [y, y], color=_BETTER, linewidth=2.5, solid_capstyle="butt")
             axes.plot(row["jod"], y, "o", color=_BETTER, markersize=8)
-        axes.set_yticks(range(len(rows)), [textwrap.fill(_condition_text(row), _WRAP) for row in rows])
+        axes.set_yticks(range(len(rows)), [_wrapped(_condition_text(row)) for row in rows])
         axes.set_ylim(-0.6, len(rows) - 0.4)
         return svg_text(axes.get_figure())
 

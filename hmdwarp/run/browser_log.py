@@ -85,9 +85,9 @@ class SessionLog:
         self._size, self._is_over = os.fstat(self._file).st_size, False
         self._started, self._count = f"{datetime.now(UTC):%Y%m%dT%H%M%S}", 0
 
-    def begin(self) -> PageLog:
+    def begin(self) -> _PageLog:
         """Return what takes a connection's messages."""
-        return PageLog(self)
+        return _PageLog(self)
 
     def session(self) -> str:
         """Return a name that no other session has."""
@@ -137,7 +137,7 @@ def _coded(line: dict[str, Any]) -> bytes:
     return json.dumps(line, separators=(",", ":")).encode() + b"\n"
 
 
-class PageLog:
+class _PageLog:
     """What one connection says; from one thread at a time."""
 
     def __init__(self, log: SessionLog) -> None:

@@ -99,7 +99,7 @@ def needed_factors(headset: Headset, drawn: tuple[Array, Array], shown: tuple[Ar
 
 
 @attrs.frozen
-class LevelSet:
+class _LevelSet:
     """Quality levels, from cheapest to most accurate, and how they were obtained."""
 
     levels: tuple[QualityLevel, ...]
@@ -109,7 +109,7 @@ class LevelSet:
 _TERMS = ("scene", "latency_ms", "guard", "lens")  # which may differ from the run's own
 
 
-def levels_from_file(path: Path, options: PipelineOptions, device: Client | None = None) -> LevelSet:
+def levels_from_file(path: Path, options: PipelineOptions, device: Client | None = None) -> _LevelSet:
     """Return the levels of a benchmark for a run, with its times or those modelled of a device.
 
     Uses the rows of the run's size, else those of the largest size, with times scaled by the number
@@ -144,7 +144,7 @@ def levels_from_file(path: Path, options: PipelineOptions, device: Client | None
         sizes = f"{name} was measured at {width}x{height}, this run is {size[0]}x{size[1]}"
         notes.append(f"{sizes}: its times are taken in proportion to the pixels, {factor:.2g} times.")
         levels = tuple(level.scaled(factor) for level in levels)
-    return LevelSet(levels, tuple(notes))
+    return _LevelSet(levels, tuple(notes))
 
 
 def _timed_for(options: PipelineOptions, row: Row, plan: Plan, device: Client | None) -> Row:
@@ -265,7 +265,7 @@ def candidates(options: PipelineOptions, source: Source) -> list[Combination]:
     return found
 
 
-def levels_by_short_bench(options: RunOptions, source: Source, say: Say, device: Client | None = None) -> LevelSet:
+def levels_by_short_bench(options: RunOptions, source: Source, say: Say, device: Client | None = None) -> _LevelSet:
     """Return the levels measured at a few instants of this run, or modelled for a device."""
     budget_ms, combinations = options.budget_ms or 0.0, candidates(options, source)
     say(
@@ -323,7 +323,7 @@ def levels_by_short_bench(options: RunOptions, source: Source, say: Say, device:
         note += f", for errors at {drawn[0]}x{drawn[1]}, a third of its size each way"
     if left_out := ", ".join(sorted(set(times) - set(within))):
         note += f"; {left_out} took more than {REACH:g} times the budget, so their pictures were not measured"
-    return LevelSet(levels_from(rows), (f"{note}.",))
+    return _LevelSet(levels_from(rows), (f"{note}.",))
 
 
 _MEASURED = tomllib.loads(Path(__file__).with_name("measured_passes.toml").read_text(encoding="utf-8"))

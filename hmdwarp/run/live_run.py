@@ -54,7 +54,7 @@ from .options import BOTH, DESKTOP, FLAT, OFFSCREEN, OPENXR, SYNTHETIC, LiveOpti
 from .recorder import LEAST, Recorder
 from .run import EmulatedScreen, Run
 
-RETRY_S = 0.5
+_RETRY_S = 0.5
 
 
 class Ending:
@@ -121,15 +121,15 @@ def come_back(
         if reopen():
             say("it is back")
             return True
-        time.sleep(RETRY_S)
+        time.sleep(_RETRY_S)
     raise Lost(f"{lost}; it has not come back within {wait_s:g} s")
 
 
-LOOKS = 20  # polls of a call within the limit
-LONGEST_LOOK_S = 0.25
+_LOOKS = 20  # polls of a call within the limit
+_LONGEST_LOOK_S = 0.25
 # For each: a report takes a second or two, and a hung disk must not keep the program alive.
 LAST_WORDS_S = 10.0
-PRINTING_S = 1.0
+_PRINTING_S = 1.0
 
 
 class Watchdog:
@@ -143,7 +143,7 @@ class Watchdog:
 
     def __init__(self, limit_s: float, last_words: Sequence[Callable[[], str]]) -> None:
         self._limit_s, self._last_words = limit_s, last_words
-        self._look_s = min(limit_s / LOOKS, LONGEST_LOOK_S)
+        self._look_s = min(limit_s / _LOOKS, _LONGEST_LOOK_S)
         self._under_way: list[str] = []  # the innermost call last
         self._entered = 0
         self._over = threading.Event()
@@ -180,7 +180,7 @@ class Watchdog:
             os.write(2, f"{' '.join(line.split())}\n".encode(errors="replace"))
             sys.stdout.flush()  # os._exit does not flush
 
-        _within(PRINTING_S, tell)
+        _within(_PRINTING_S, tell)
         os._exit(MachineError.exit_status)
 
     def __enter__(self) -> Watchdog:
@@ -563,7 +563,7 @@ class CommandHandler:
 
 
 Say = Callable[[str], None]
-AfterRefresh = Callable[[int], None]
+_AfterRefresh = Callable[[int], None]
 WAITING = "waiting for the first frame"
 # Beyond the latency, for the first frame where nobody sees that it is waited for; of a server
 # elsewhere, which may be busy, last.
@@ -610,7 +610,7 @@ class Driver:
         handler: FrameHandler,
         log: LiveLog | None = None,
         recorder: Recorder | None = None,
-        after: AfterRefresh = lambda number: None,
+        after: _AfterRefresh = lambda number: None,
     ) -> None:
         """Run until `handler` is over or a signal arrives.
 
@@ -664,10 +664,10 @@ class Driver:
         return refresh
 
 
-Watching = Callable[[str], AbstractContextManager[None]]
+_Watching = Callable[[str], AbstractContextManager[None]]
 
 
-def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh = lambda number: None) -> LiveResult:
+def live(options: LiveOptions, say: Say = lambda text: None, after: _AfterRefresh = lambda number: None) -> LiveResult:
     """Run until the window, the runtime or Ctrl-C ends it, or as long as the options say.
 
     Recording and log up to that point are written in any case.
@@ -808,7 +808,7 @@ class _UserRun(FrameHandler):
 def open_display(
     options: LiveOptions,
     source: Source,
-    watching: Watching,
+    watching: _Watching,
     say: Callable[[str], None],
     controls: tuple[Control, ...] = CONTROLS,
     *,
@@ -845,7 +845,7 @@ def open_display(
 
 
 def display_options(
-    options: LiveOptions, source: Source, watching: Watching, controls: tuple[Control, ...] = CONTROLS
+    options: LiveOptions, source: Source, watching: _Watching, controls: tuple[Control, ...] = CONTROLS
 ) -> DisplayOptions:
     """Return the options that the display needs of the run."""
     trace = source.head(load_trace(options.trace) if options.trace else None)

@@ -180,7 +180,7 @@ ORACLE = "oracle"
 PLANLESS = (*OUTSIDE, ORACLE)
 FAR_M = 1e4  # for what is infinitely far, which OpenCV takes for a pixel without depth
 # OpenCV's threads wait busily for more work, on the cores that the next method needs.
-SPIN_S = 0.02
+_SPIN_S = 0.02
 
 
 def missing(name: str) -> str:
@@ -194,7 +194,7 @@ def missing(name: str) -> str:
     return "" if found else f"this OpenCV has no warpFrame ({name} came with 5.0): {install_line('bench')}"
 
 
-def opencv_camera(view: View, size: tuple[int, int]) -> NDArray[np.float64]:
+def _opencv_camera(view: View, size: tuple[int, int]) -> NDArray[np.float64]:
     """Return a view's 3x3 matrix: OpenCV looks along +z, y down, pixel centres at whole numbers."""
     left, right, down, up = view.fov.tangents
     wide, high = size
@@ -218,7 +218,7 @@ class OpenCvWarp(ArrayWarp):
         known = np.isfinite(inverse_depth) & (inverse_depth >= 0)
         depth = (1 / np.maximum(np.where(known, inverse_depth, 1), 1 / FAR_M)).astype(np.float32)
         mask = np.where(known, 255, 0).astype(np.uint8)
-        camera = opencv_camera(rendered.view, rendered.size)
+        camera = _opencv_camera(rendered.view, rendered.size)
         # Half a pixel to the right and down: warpFrame rounds places down to whole pixels.
         to_nearest = np.eye(4)
         to_nearest[0, 2], to_nearest[1, 2] = 0.5 / camera[0, 0], 0.5 / camera[1, 1]
@@ -226,7 +226,7 @@ class OpenCvWarp(ArrayWarp):
         moved = rendered.view.pose.relative_to(inputs.shown.pose).matrix()  # points, to the shown eye
         motion = to_nearest @ to_camera @ moved @ to_camera
         # The shown part: a guard band adds whole pixels.
-        own = opencv_camera(inputs.shown, self.shown_size)
+        own = _opencv_camera(inputs.shown, self.shown_size)
         x, y = (round(camera[k, 2] - own[k, 2]) for k in (0, 1))
         picture = picture_from_linear(download(rendered.colour))
         return depth, picture, mask, motion, camera, np.s_[y : y + high, x : x + wide]
@@ -240,7 +240,7 @@ class OpenCvWarp(ArrayWarp):
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         super().run(inputs, into)
         done_ns = time.perf_counter_ns()
-        while time.perf_counter_ns() < done_ns + SPIN_S * 1e9:  # not asleep: a core that has slept is slow for a while
+        while time.perf_counter_ns() < done_ns + _SPIN_S * 1e9:  # not asleep: a core that has slept is slow for a while
             pass
 
 
@@ -533,7 +533,7 @@ class SideBySide:
 
 
 # (case, warp, fill, refresh, eye): identifies a picture.
-PictureKey = tuple[Case, str, str, int, int]
+_PictureKey = tuple[Case, str, str, int, int]
 
 
 @attrs.frozen(eq=False)
@@ -543,7 +543,7 @@ class Measured:
     combination: Combination
     # One row for each timed run of one eye, keyed as frames.csv.
     times: list[Row] = attrs.field(factory=list)
-    keys: list[PictureKey] = attrs.field(factory=list)
+    keys: list[_PictureKey] = attrs.field(factory=list)
     # Of each measured picture, by its refresh: see metrics.block_means.
     blocks: dict[int, NDArray[np.float64]] = attrs.field(factory=dict)
     # Of each, where the late frame saw what the eye should see: pixels of the picture, those seen,
@@ -602,7 +602,7 @@ class Comparison:
         """Submit the pictures of an eye."""
         rendered, truth = refresh.frame.eyes[eye], self._beside.truth(refresh.inputs[eye])
         coverages: dict[str, NDArray[np.floating]] = {}
-        handed_in: dict[str, list[tuple[PictureKey, metrics.QualityJob]]] = {}
+        handed_in: dict[str, list[tuple[_PictureKey, metrics.QualityJob]]] = {}
         warps = [each.combination.warp for each in self.measured]
         seen = coverage(self._last[warps.index(ORACLE)][eye]) > 0 if ORACLE in warps else None
         for index, (results, measured) in enumerate(zip(self._last, self.measured, strict=True)):

@@ -53,8 +53,8 @@ _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
 _SAID_TO_RUN = "is said to 'hmdwarp study run'"
 
 
-MEASURING = "Measuring"  # heading of options in help
-_measuring = functools.partial(option, heading=MEASURING)
+_MEASURING = "Measuring"  # heading of options in help
+_measuring = functools.partial(option, heading=_MEASURING)
 _of_display = functools.partial(option, study=DISPLAY, heading=DISPLAYED)
 
 
@@ -280,7 +280,7 @@ _PIPELINE = attrs.fields(PipelineOptions)
 
 
 @attrs.frozen(kw_only=True)
-class ListenOptions(Declared):
+class _ListenOptions(Declared):
     """Where clients are served, and who may be one."""
 
     listen: str = option(
@@ -303,7 +303,7 @@ class ListenOptions(Declared):
 
 
 @attrs.frozen(kw_only=True)
-class ProxyRunOptions(ListenOptions):
+class ProxyRunOptions(_ListenOptions):
     """A proxy between a server and its clients. Errors: InputError for a value out of range."""
 
     connect: str = same_as(attrs.fields(FeedOptions).connect)
@@ -332,7 +332,7 @@ class ProxyRunOptions(ListenOptions):
 
 
 @attrs.frozen(kw_only=True)
-class ServeOptions(ListenOptions):
+class ServeOptions(_ListenOptions):
     """A server for others. Errors: InputError for a value out of range."""
 
     scene: str = same_as(_PIPELINE.scene)

@@ -28,7 +28,7 @@ from .options import RunOptions
 from .run import ReplayRun, set_up_replay
 from .run_summary import OWNED, Judge, ReplayLog, ReplayResult, Row, result_of, write_results
 
-WORST_FRAMES = 6
+_WORST_FRAMES = 6
 # which: 0 for the run itself, then those that it is compared with.
 
 Progress = Callable[[int, int], None]
@@ -75,7 +75,7 @@ def replay(
                 return int(key[0] / setup.schedule.rate_hz) if key[2] == MAIN else None
 
             with MeasuringThreads(worker_count(options.workers)) as threads:
-                pool = QualityPool(threads, worst=WORST_FRAMES, bucket=contest)
+                pool = QualityPool(threads, worst=_WORST_FRAMES, bucket=contest)
                 probe = Probe(setup, pool)
                 log = _run(setup, probe, out, progress)
             _write_delays(setup, out)

@@ -31,7 +31,7 @@ _SAME = ("trace", "scene", "latency_ms", "size", "headset", "rate_hz")
 ALL, PIXEL, PIXELS = "figures", "pixel", "pixels"  # names of tolerances beside keys of the summary
 _HEADING = "For CI"
 _option = functools.partial(option, study="a study has no such result", heading=_HEADING)
-STEP_SUMMARY = "GITHUB_STEP_SUMMARY"
+_STEP_SUMMARY = "GITHUB_STEP_SUMMARY"
 
 Row = Mapping[str, Any]
 
@@ -92,7 +92,7 @@ class Finding:
 
 
 @attrs.frozen
-class Requirement:
+class _Requirement:
     """One of them: a figure, or the ratio of two, against a number."""
 
     figure: Figure
@@ -146,7 +146,7 @@ class Requirement:
         return self.to.value(found[0])
 
 
-def _parse(text: str) -> tuple[Requirement, ...]:
+def _parse(text: str) -> tuple[_Requirement, ...]:
     found, end = [], 0
     while end < len(text):
         one = _ONE.match(text, end)
@@ -156,7 +156,7 @@ def _parse(text: str) -> tuple[Requirement, ...]:
                 f"'psnr_db.mean>=28, flip.p95<=0.08'; found '{text[end:].strip()}'"
             )
         figure, _, to = one[1].partition("/")
-        found.append(Requirement(Figure.of(figure), Figure.of(to) if to else None, one[2], one[3]))
+        found.append(_Requirement(Figure.of(figure), Figure.of(to) if to else None, one[2], one[3]))
         end = one.end()
     return tuple(found)
 
@@ -295,7 +295,7 @@ class Verdict:
 class Requirements(Declared):
     """What results have to hold. Errors: InputError for what no figure is, or no number."""
 
-    require: tuple[Requirement, ...] = _option(
+    require: tuple[_Requirement, ...] = _option(
         (),
         "Exit with status 4 unless the results meet: 'psnr_db.mean>=28, flip.p95<=0.08'; a ratio of two with /, "
         "of one warp or strategy alone as NAME:FIGURE.",
@@ -328,7 +328,7 @@ class Requirements(Declared):
         """Write the files of `--junit` and GitHub. Errors: RequirementError by the verdict."""
         if self.junit is not None:
             report.write_bytes(self.junit, verdict.junit(time.monotonic() - self.began_s))
-        page = os.environ.get(STEP_SUMMARY)
+        page = os.environ.get(_STEP_SUMMARY)
         if page and (verdict.findings or verdict.diff):
             try:
                 with Path(page).open("a", encoding="utf-8") as file:

@@ -48,7 +48,7 @@ _APART_NS = 500_000_000  # after a longer break the speed between two pictures i
 Speeds = tuple[float | None, float | None]
 
 
-def speeds_at(track: PoseTrack, time_ns: int) -> Speeds:
+def _speeds_at(track: PoseTrack, time_ns: int) -> Speeds:
     """Return angular speed in deg/s and linear speed in m/s, by central differences over 10 ms."""
     before, after = track.at(time_ns - _HALF_NS).pose, track.at(time_ns + _HALF_NS).pose
     turned = quaternions.angle_between(before.orientation_xyzw, after.orientation_xyzw)
@@ -193,7 +193,7 @@ class ReplayLog:
         self.moments: list[Moment] = []
 
     def add(self, refresh: Refresh) -> None:
-        speeds = speeds_at(self._track, refresh.shown_ns)
+        speeds = _speeds_at(self._track, refresh.shown_ns)
         moment = Moment.of(len(self.moments), refresh, self._track.start_ns, speeds)
         self.moments.append(moment)
         self.responses.append(refresh.response)

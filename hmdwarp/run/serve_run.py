@@ -85,14 +85,14 @@ def serve(
         with Gpu() as gpu, closing(source.renderer(gpu, drawing, moment_of)) as server:
             say(f"listening at {listener.address}: {source.title}")
             with _door(options, listener, source, secret, pair, say) if options.web else nullcontext():
-                answering(listener, server, functools.partial(_drawn, server), goes_on)
+                _answering(listener, server, functools.partial(_drawn, server), goes_on)
 
 
 # Returns the frame for a request that needs these layers.
 Draw = Callable[[Asked, Needs], Frame]
 
 
-def answering(listener: Listener, server: Renderer, draw: Draw, goes_on: Callable[[], bool]) -> None:
+def _answering(listener: Listener, server: Renderer, draw: Draw, goes_on: Callable[[], bool]) -> None:
     """Answer requests until goes_on() says no."""
     answers = _Answers(listener, server, draw)
     while goes_on():
@@ -359,7 +359,7 @@ def proxy(
     listener, _, _ = listening(options.listen, say, options.token_file, options.key_pair, **how)
     with closing(listener), Gpu() as gpu, closing(_Warping(gpu, options, plan, say)) as server:
         say(f"listening at {listener.address}: a proxy for {options.feed.connect}, {options.warp} + {options.fill}")
-        answering(listener, server, server.draw_asked, goes_on)
+        _answering(listener, server, server.draw_asked, goes_on)
 
 
 @attrs.define(eq=False)

@@ -29,7 +29,7 @@ _REST = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scal
 
 
 @attrs.frozen(eq=False)
-class Curve:
+class _Curve:
     """Animated values of one property of a node."""
 
     path: str  # "translation", "rotation" or "scale"
@@ -91,7 +91,7 @@ class Nodes:
         # By the root and the time, what `at` found for each node: the last few times.
         self._found: dict[tuple[int, float], tuple[Array, dict[int, tuple[Array, Array]]]] = {}
         self.placed, self._keys = 0, sum(map(len, file.buffers))  # times that nodes were placed; keys that may come
-        self.curves: dict[int, dict[str, Curve]] = {}
+        self.curves: dict[int, dict[str, _Curve]] = {}
         animations = file.items("animations")
         names = [str(one.get("name") or f"number {index}") for index, one in enumerate(animations)]
         for index in self._playing(animations, names, animation, notes):
@@ -235,7 +235,7 @@ class Nodes:
                 continue
             self.curves.setdefault(node, {})[path] = self._curve(samplers[index], path, f"{name}, {target_name}")
 
-    def _curve(self, sampler: dict[str, Any], path: str, name: str) -> Curve:
+    def _curve(self, sampler: dict[str, Any], path: str, name: str) -> _Curve:
         kind, error = sampler.get("interpolation", "LINEAR"), self._file.error
         if kind not in ("LINEAR", "STEP", "CUBICSPLINE"):
             raise error(f"{name}: interpolation '{kind}'; expected LINEAR, STEP or CUBICSPLINE")
@@ -262,7 +262,7 @@ class Nodes:
             if (size < 1e-6).any():
                 raise error(f"{name}: key {int(np.argmin(size))} is no rotation (a quaternion of length 0)")
             values = values if each == 3 else values / size
-        return Curve(path, kind, times, values)
+        return _Curve(path, kind, times, values)
 
 
 MOST_PLACED = 1_000_000  # of nodes at instants, to know which chains are rigid: two or three minutes

@@ -29,12 +29,12 @@ from .options import numbered
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8] | None
-Gltf = dict[str, Any]  # an object of the file's JSON
+_Gltf = dict[str, Any]  # an object of the file's JSON
 _DIELECTRIC = 0.04  # the specular colour of every glTF material that is not a metal
 _BRIGHTNESS = np.array([0.299, 0.587, 0.114])
 
 
-def as_metal(found: Gltf, diffuse_image: Image, specular_image: Image) -> tuple[Gltf, Image]:
+def as_metal(found: _Gltf, diffuse_image: Image, specular_image: Image) -> tuple[_Gltf, Image]:
     """Return `pbrMetallicRoughness` and the picture of its base colour, None for none.
 
     found: the extension of a material, whose two (h, w, 4) pictures follow.
@@ -46,7 +46,7 @@ def as_metal(found: Gltf, diffuse_image: Image, specular_image: Image) -> tuple[
     size = next((image.shape[:2] for image in (diffuse_image, specular_image) if image is not None), (1, 1))
     base, metallic = _base_of(factor[:3] * _linear(diffuse_image, size), specular * _linear(specular_image, size))
     rough = 1 - float(found.get("glossinessFactor", 1.0))
-    surface: Gltf = {"metallicFactor": float(metallic.mean()), "roughnessFactor": rough}
+    surface: _Gltf = {"metallicFactor": float(metallic.mean()), "roughnessFactor": rough}
     if specular_image is not None:
         surface["roughnessFactor"] = max(rough, 0.5)  # rough here and there, so never a mirror
     if diffuse_image is None and specular_image is None:
@@ -92,14 +92,14 @@ class Looks:
         self._made: dict[tuple[Any, ...], Look | None] = {}
         self.textures: list[Texture] = []
 
-    def look_of(self, primitive: Gltf, head_locked: bool) -> Look | None:
+    def look_of(self, primitive: _Gltf, head_locked: bool) -> Look | None:
         key = (primitive.get("material"), head_locked)
         if key not in self._made:
             material = self._file.item("materials", key[0], "a mesh") if key[0] is not None else {}
             self._made[key] = self._look(material, f"material '{material.get('name') or key[0]}'", head_locked)
         return self._made[key]
 
-    def _look(self, gltf: Gltf, name: str, head_locked: bool) -> Look | None:
+    def _look(self, gltf: _Gltf, name: str, head_locked: bool) -> Look | None:
         gltf, image = self._surface(gltf, name)
         plain = gltf.get("pbrMetallicRoughness") or {}
         factor = np.array(plain.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
@@ -138,7 +138,7 @@ class Looks:
         colour = np.clip(factor[:3], 0, None)
         return Look(colour, texture, material, both, coordinates, moved, unlit, glow, mode != "OPAQUE")
 
-    def _surface(self, gltf: Gltf, name: str) -> tuple[Gltf, Image]:
+    def _surface(self, gltf: _Gltf, name: str) -> tuple[_Gltf, Image]:
         """Return the material by metal and roughness, and the picture of its base colour."""
         found = (gltf.get("extensions") or {}).get(SPECULAR)
         if found is None:
@@ -153,8 +153,8 @@ class Looks:
         return gltf | {"pbrMetallicRoughness": surface | {"baseColorTexture": info}}, image
 
     def _emission(
-        self, gltf: Gltf, name: str, material: Material, base: Gltf, *, is_pictured: bool
-    ) -> tuple[Array, Gltf, Emission | None]:
+        self, gltf: _Gltf, name: str, material: Material, base: _Gltf, *, is_pictured: bool
+    ) -> tuple[Array, _Gltf, Emission | None]:
         """Return the light of its own (3,), whose place its pictures have, and it as a picture.
 
         Source: Khronos 2022, KHR_materials_emissive_strength.
@@ -179,7 +179,7 @@ class Looks:
             image = _mean_of(image)
         return factor, base, Emission(image, factor, self._repeats(info, name))
 
-    def _material(self, gltf: Gltf, name: str, alpha: float, colour: Array, *, see_through: bool) -> Material:
+    def _material(self, gltf: _Gltf, name: str, alpha: float, colour: Array, *, see_through: bool) -> Material:
         passes, reflectivity = self._transmission(gltf, name), self._reflectivity(gltf, name, colour)
         if passes > 0 or see_through:
             if reflectivity:
@@ -193,7 +193,7 @@ class Looks:
         scale, curved = float(bumps.get("scale", 1.0)), bool((gltf.get("extras") or {}).get("curved", False))
         return Material(reflectivity=reflectivity, normal_map=normal_map, normal_scale=scale, curved=curved)
 
-    def _transmission(self, gltf: Gltf, name: str) -> float:
+    def _transmission(self, gltf: _Gltf, name: str) -> float:
         """Return the share of light that passes where the surface covers: none of what is metal.
 
         What alpha does not cover passes untouched. Source: Khronos 2021,
@@ -213,7 +213,7 @@ class Looks:
             self._notes.add("a metal transmits no light: what its alpha leaves free passes, nothing else", name)
         return passes * (1 - metal)
 
-    def _reflectivity(self, gltf: Gltf, name: str, colour: Array) -> float:
+    def _reflectivity(self, gltf: _Gltf, name: str, colour: Array) -> float:
         """Return `reflectivity` of the extras, else the base colour of a polished metal."""
         share, surface = (gltf.get("extras") or {}).get("reflectivity"), gltf.get("pbrMetallicRoughness") or {}
         if share is None:
@@ -225,7 +225,7 @@ class Looks:
             raise self._file.error(f"{name}: reflectivity {share!r} in its extras; expected a share of 0 to 1")
         return float(share)
 
-    def _image(self, info: Gltf, name: str, channels: int = 4) -> Image:
+    def _image(self, info: _Gltf, name: str, channels: int = 4) -> Image:
         """Return (h, w, channels) bytes; None, with a note, if the image cannot be decoded."""
         if "index" not in info:
             return None
@@ -242,7 +242,7 @@ class Looks:
             self._notes.add("images cannot be read, drawn plain", str(error).removeprefix(f"{self._file.path}: "))
             return None
 
-    def _repeats(self, info: Gltf, name: str) -> bool:
+    def _repeats(self, info: _Gltf, name: str) -> bool:
         """Return whether a texture wraps around; else its border is continued."""
         texture = self._file.item("textures", info["index"], name) if "index" in info else {}
         sampler = self._file.item("samplers", texture["sampler"], name) if "sampler" in texture else {}
@@ -258,7 +258,7 @@ class Looks:
         return len(self.textures) - 1
 
 
-def _place_of(info: Gltf) -> tuple[str, Gltf]:
+def _place_of(info: _Gltf) -> tuple[str, _Gltf]:
     """Return the attribute with a picture's texture coordinates, and its KHR_texture_transform."""
     transform = (info.get("extensions") or {}).get("KHR_texture_transform") or {}
     number = transform.get("texCoord", info.get("texCoord", 0))
@@ -324,7 +324,7 @@ class GltfContent:
             found.append(self._lamp(node, known[index]))
         return [lamp for lamp in found if max(lamp.colour) > 0]
 
-    def _lamp(self, node: int, said: Gltf) -> Lamp:
+    def _lamp(self, node: int, said: _Gltf) -> Lamp:
         kind, spot = said.get("type"), said.get("spot") or {}
         cone = float(spot.get("innerConeAngle", 0.0)), float(spot.get("outerConeAngle", np.pi / 4))
         light = np.array(said.get("color", (1.0, 1.0, 1.0)), np.float64) * float(said.get("intensity", 1.0))
@@ -342,7 +342,7 @@ class GltfContent:
     def move(self, world_from_file: Pose) -> None:
         self._nodes.root = world_from_file.matrix() @ self._nodes.root
 
-    def _places(self) -> list[tuple[str, int, Gltf]]:
+    def _places(self) -> list[tuple[str, int, _Gltf]]:
         """Return name, node and primitive of all triangles that the file shows."""
         file, found, hidden, left = self._file, [], 0, MOST_TRIANGLES
         for index in self._shown_nodes:
@@ -382,7 +382,7 @@ class GltfContent:
         own = [parent < 0 and index in roots for index, parent in enumerate(nodes.parents)]
         return [index for index, is_shown in enumerate(nodes.inherited(own)) if is_shown]
 
-    def _draft(self, name: str, node: int, primitive: Gltf) -> Draft | None:
+    def _draft(self, name: str, node: int, primitive: _Gltf) -> Draft | None:
         file, user, attributes = self._file, f"mesh '{name}'", primitive["attributes"]
         unpack_draco(file, primitive, user, self.notes)
         rest = file.numbers(attributes["POSITION"], user, 3).astype(np.float64)
@@ -429,7 +429,7 @@ class GltfContent:
         normals = normals_of(positions, triangles)
         return Draft(name, positions, look, triangles, normals, uv, colour, body, driven, panel, occluded)
 
-    def _shaped(self, rest: Array, node: Gltf, primitive: Gltf, user: str) -> Array:
+    def _shaped(self, rest: Array, node: _Gltf, primitive: _Gltf, user: str) -> Array:
         """Return the positions with the morph targets at the weights that the file gives them."""
         targets = primitive.get("targets", [])
         mesh = self._file.item("meshes", node["mesh"], user)
@@ -445,7 +445,7 @@ class GltfContent:
         return rest
 
     def _placed(
-        self, rest: Array, node: int, skin: int | None, primitive: Gltf, fixed: str
+        self, rest: Array, node: int, skin: int | None, primitive: _Gltf, fixed: str
     ) -> tuple[Array, int, Driven | None]:
         """Return vertices where they are at time 0, and what moves them: a body's number, or more.
 
@@ -471,7 +471,7 @@ class GltfContent:
         return positions, self._body_numbers[node], None
 
 
-def _triangles(file: GltfFile, primitive: Gltf, user: str, count: int) -> NDArray[np.uint32]:
+def _triangles(file: GltfFile, primitive: _Gltf, user: str, count: int) -> NDArray[np.uint32]:
     listed = "indices" in primitive
     indices = file.numbers(primitive["indices"], user, 1)[:, 0].astype(np.int64) if listed else np.arange(count)
     if len(indices) and (indices.max() >= count or indices.min() < 0):
@@ -488,7 +488,7 @@ def _triangles(file: GltfFile, primitive: Gltf, user: str, count: int) -> NDArra
     return strip.astype(np.uint32)
 
 
-def _uv(file: GltfFile, attributes: Gltf, look: Look, user: str, count: int) -> Array:
+def _uv(file: GltfFile, attributes: _Gltf, look: Look, user: str, count: int) -> Array:
     """Return texture coordinates with their origin bottom left; glTF has it top left."""
     if look.texcoords not in attributes:
         return np.zeros((count, 2))
@@ -502,7 +502,7 @@ def _uv(file: GltfFile, attributes: Gltf, look: Look, user: str, count: int) -> 
     return np.where(np.isfinite(uv), uv * (1, -1) + (0, 1), 0.0)
 
 
-def _vertex_colours(file: GltfFile, attributes: Gltf, user: str, count: int) -> Array:
+def _vertex_colours(file: GltfFile, attributes: _Gltf, user: str, count: int) -> Array:
     if "COLOR_0" not in attributes:
         return np.ones((count, 3))
     colours = _as_shares(file.numbers(attributes["COLOR_0"], user))

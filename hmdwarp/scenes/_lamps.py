@@ -133,7 +133,7 @@ TEXEL_M = 0.35  # of the finest light
 # A triangle by itself takes one texel with its border; the light of some scene takes the rays of
 # all patches against all triangles.
 MOST_TRIANGLES = 2 * (ATLAS[0] // 3) * (ATLAS[1] // 3)
-MOST_MEETINGS, MOST_PATCHES = 200_000, 1200
+_MOST_MEETINGS, MOST_PATCHES = 200_000, 1200
 MEAN_LIGHT = 0.5  # that a white surface shows: a file says no exposure
 SAME = 1e-3  # of two corners, as a share of the side between
 _SQUARE = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])  # a chart's corners, in its size
@@ -200,7 +200,7 @@ def _in_atlas(meshes: Sequence[Mesh], lit: Sequence[bool]) -> list[Mesh] | str:
         texels = [chart.texels(texel_m) for chart in charts]
         patches = sum(wide * high for wide, high in texels)
         least = patches == len(charts)
-        is_quick = patches <= MOST_PATCHES and patches * triangles <= MOST_MEETINGS
+        is_quick = patches <= MOST_PATCHES and patches * triangles <= _MOST_MEETINGS
         if (is_quick or least) and (lows := _packed(texels)) is not None:
             places = [chart.places(low, size) for chart, low, size in zip(charts, lows, texels, strict=True)]
             own = [[both for both in zip(charts, places, strict=True) if both[0].mesh == k] for k in range(len(meshes))]

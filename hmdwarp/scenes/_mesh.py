@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import NO_NUMBERS, SceneError
 from ..geometry import RigidState
 
-NO_TINT = (1.0, 1.0, 1.0)
+_NO_TINT = (1.0, 1.0, 1.0)
 
 
 def _rgb(value: Iterable[float]) -> tuple[float, ...]:
@@ -35,7 +35,7 @@ class Material:
     # the mesh's albedo as by coloured glass; the rest is scattered or stopped.
     transmission: float = 0.0
     # Share of each linear colour that passes where a see-through surface does not cover.
-    tint: tuple[float, ...] = attrs.field(default=NO_TINT, converter=_rgb)
+    tint: tuple[float, ...] = attrs.field(default=_NO_TINT, converter=_rgb)
 
     def __attrs_post_init__(self) -> None:
         for name in ("reflectivity", "opacity", "transmission"):
@@ -46,7 +46,7 @@ class Material:
             wrong = "a normal map or a curved mirror, but reflectivity 0: set a reflectivity or remove them"
         elif len(self.tint) != 3 or not all(0 <= share <= 1 for share in self.tint):
             wrong = f"tint {self.tint}: expected three shares, each 0 to 1"
-        elif (self.tint != NO_TINT or self.transmission) and not self.see_through:
+        elif (self.tint != _NO_TINT or self.transmission) and not self.see_through:
             wrong = "a tint or transmission but no light passing through: make it see_through or omit them"
         if wrong:
             raise SceneError(f"material with {wrong}")

@@ -32,10 +32,10 @@ _TRIMESH_DEFAULT = (102, 102, 102)
 
 def drafts_of(path: Path, units: Array, notes: Notes, textures: list[Texture]) -> list[Draft]:
     """Return the parts with triangles; pictures go to `textures`. units: 4x4 to metres, +y up."""
-    return [_draft(part, f"{path.stem}-{i}", units, textures, notes) for i, part in enumerate(mesh_parts(path, notes))]
+    return [_draft(part, f"{path.stem}-{i}", units, textures, notes) for i, part in enumerate(_mesh_parts(path, notes))]
 
 
-def mesh_parts(path: Path, notes: Notes) -> list[Any]:
+def _mesh_parts(path: Path, notes: Notes) -> list[Any]:
     """Return every mesh of the file with triangles (trimesh.Trimesh), checked."""
     parts = [part for part in _parts_of(path, notes) if len(part.faces)]
     for part in parts:
@@ -110,15 +110,15 @@ def _parts_of(path: Path, notes: Notes) -> list[Any]:
 
 
 _ROWS = {"v": 3, "vt": 2, "vn": 3}  # of an OBJ file, each with its numbers
-Faces = dict[str, dict[tuple[int, int], list[str]]]  # lines by material, number of corners and their form
+_Faces = dict[str, dict[tuple[int, int], list[str]]]  # lines by material, number of corners and their form
 
 
-def _read_obj(path: Path, text: str, beside: Any, notes: Notes) -> tuple[dict[str, list[str]], Faces, Any]:
+def _read_obj(path: Path, text: str, beside: Any, notes: Notes) -> tuple[dict[str, list[str]], _Faces, Any]:
     """Return rows of numbers, faces, and facts of materials. Errors: SceneError naming the line."""
     from trimesh.exchange.obj import parse_mtl
 
     rows: dict[str, list[str]] = {key: [] for key in _ROWS}
-    faces: Faces = {}
+    faces: _Faces = {}
     materials: dict[str, Any] = {}
     name, lines = "", text.replace("\\\r\n", " ").replace("\\\n", " ").splitlines()
     for number, line in enumerate(lines, 1):
@@ -411,7 +411,7 @@ def _parts(path: Path, shape: ElementTree.Element, notes: Notes) -> Iterator[Par
     if kind == "rectangle":
         yield _SQUARE, (_SQUARE[:, :2] + 1) / 2, _TWO
     elif kind in ("obj", "ply"):
-        for part in mesh_parts(keep_inside(path.parent / name, path.parent), notes):
+        for part in _mesh_parts(keep_inside(path.parent / name, path.parent), notes):
             uv = getattr(part.visual, "uv", None)
             uv = np.zeros((len(part.vertices), 2)) if uv is None else np.asarray(uv, np.float64)
             yield np.asarray(part.vertices, np.float64), uv, np.asarray(part.faces).astype(np.uint32)

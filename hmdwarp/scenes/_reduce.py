@@ -21,15 +21,15 @@ from ._lamps import indirect_atlas, with_lamps_stopped
 from ._mesh import Deformation, Material, Mesh, Texture, chunks_of
 from ._scene import Background, Scene
 
-UNKNOWN_ALBEDO = 0.5
+_UNKNOWN_ALBEDO = 0.5
 # Black is drawn as this, so that what glows on it has a light: 1.2 % of white in sRGB.
 LEAST_ALBEDO = 2.0**-10
 WHITE = -1  # index of the texture that is 1 everywhere
-LEAST_TRIANGLES = 2000  # cheap to draw for any client, and a fifth of ten triangles would leave things out
+_LEAST_TRIANGLES = 2000  # cheap to draw for any client, and a fifth of ten triangles would leave things out
 # What a change by 1 along a metre weighs, as a change of position by that many metres; a texture's
 # change is in metres on it. Tuned on the pictures of four scenes with 20 % and 5 % of their
 # triangles: weights of 0.1 lose 5 dB, twice these 1 dB.
-WEIGHT_OF_LIGHT, WEIGHT_OF_TEXTURE, WEIGHT_OF_NORMAL = 1.5, 0.7, 0.2
+_WEIGHT_OF_LIGHT, _WEIGHT_OF_TEXTURE, WEIGHT_OF_NORMAL = 1.5, 0.7, 0.2
 ASIDE = 1e-4  # of the scene's size, between parts that move apart
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB
 
@@ -37,7 +37,7 @@ Triangles = list[NDArray[np.uint32]]
 
 
 def reduced(
-    scene: Scene, share: float, *, texture: float = 1.0, least: int = LEAST_TRIANGLES, matt: bool = True
+    scene: Scene, share: float, *, texture: float = 1.0, least: int = _LEAST_TRIANGLES, matt: bool = True
 ) -> Scene:
     """Return the scene's surfaces with about `share` of their triangles, and baked light.
 
@@ -55,7 +55,7 @@ def reduced(
     share = max(share, min(1.0, least / max(1, sum(len(mesh.triangles) for mesh in surfaces))))
     triangles = fewer_triangles(surfaces, share)
     pairs = zip(surfaces, triangles, strict=True)
-    fewer = {id(mesh): with_triangles(mesh, kept, matt=matt) if len(kept) else None for mesh, kept in pairs}
+    fewer = {id(mesh): _with_triangles(mesh, kept, matt=matt) if len(kept) else None for mesh, kept in pairs}
     meshes = [one for mesh in scene.meshes if (one := fewer.get(id(mesh), None if matt else mesh)) is not None]
     textures = list(scene.textures)
     if texture != 1:
@@ -113,7 +113,9 @@ def only_emission(scene: Scene) -> Scene | None:
 
 def _albedo(mesh: Mesh) -> NDArray[Any]:
     luminance = (mesh.light @ _LUMINANCE)[:, None]
-    guess = np.where(luminance > 0, UNKNOWN_ALBEDO * mesh.light / np.where(luminance > 0, luminance, 1), UNKNOWN_ALBEDO)
+    guess = np.where(
+        luminance > 0, _UNKNOWN_ALBEDO * mesh.light / np.where(luminance > 0, luminance, 1), _UNKNOWN_ALBEDO
+    )
     return np.asarray(np.maximum(guess if mesh.albedo is None else mesh.albedo, LEAST_ALBEDO))
 
 
@@ -139,7 +141,7 @@ def fewer_triangles(meshes: Sequence[Mesh], share: float) -> Triangles:
     _, part = np.unique(moves_with, return_inverse=True)
     aside = ASIDE * np.ptp(position, axis=0).max() * part[owner]
     scale = np.array([_metres_per_uv(mesh) for mesh in meshes])[owner]
-    looks = [WEIGHT_OF_LIGHT * light, WEIGHT_OF_TEXTURE * scale[:, None] * uv, WEIGHT_OF_NORMAL * normal]
+    looks = [_WEIGHT_OF_LIGHT * light, _WEIGHT_OF_TEXTURE * scale[:, None] * uv, WEIGHT_OF_NORMAL * normal]
     table = np.concatenate([position + aside[:, None], *looks, owner[:, None]], axis=1, dtype=np.float32)
     _, first, which = np.unique(table, axis=0, return_index=True, return_inverse=True)
     indices = which.reshape(-1)[corners].astype(np.uint32).ravel()
@@ -187,7 +189,7 @@ class _Subset:
         return np.asarray(self.whole.velocities(time_ns)[self.kept])
 
 
-def with_triangles(mesh: Mesh, triangles: NDArray[np.uint32], *, matt: bool = False) -> Mesh:
+def _with_triangles(mesh: Mesh, triangles: NDArray[np.uint32], *, matt: bool = False) -> Mesh:
     """Return the mesh with these triangles and their vertices only; matt: in plain material."""
     kept, which = np.unique(triangles, return_inverse=True)
     arrays = {name: getattr(mesh, name) for name in ("positions", "normals", "uv", "light", "albedo", "light_uv")}
@@ -198,7 +200,7 @@ def with_triangles(mesh: Mesh, triangles: NDArray[np.uint32], *, matt: bool = Fa
 
 
 # A stand-in for the whole scene has as few triangles as this, or this share of them.
-STAND_IN_TRIANGLES, STAND_IN_SHARE = 2000, 0.02
+_STAND_IN_TRIANGLES, STAND_IN_SHARE = 2000, 0.02
 # Scales at which a texture crosses, one after the other.
 SCALES = COARSEST, COARSE, HALF, FULL = (1 / 32, 1 / 8, 1 / 2, 1.0)
 _COUNT = struct.Struct("<I")
@@ -248,8 +250,8 @@ class Pieces:
     def stand_ins(self) -> list[Mesh | None]:
         """For each mesh one with few triangles, None where that is too small to be missed."""
         count = sum(len(mesh.triangles) for mesh in self.meshes)
-        kept = fewer_triangles(self.meshes, max(STAND_IN_SHARE, min(1.0, STAND_IN_TRIANGLES / max(1, count))))
-        return [with_triangles(mesh, few) if len(few) else None for mesh, few in zip(self.meshes, kept, strict=True)]
+        kept = fewer_triangles(self.meshes, max(STAND_IN_SHARE, min(1.0, _STAND_IN_TRIANGLES / max(1, count))))
+        return [_with_triangles(mesh, few) if len(few) else None for mesh, few in zip(self.meshes, kept, strict=True)]
 
     @cached_property
     def light(self) -> NDArray[np.float16] | None:
@@ -322,7 +324,7 @@ class Pieces:
         sizes = np.array([(k, len(mesh.positions), len(mesh.triangles)) for k, mesh in meshes], np.uint32)
         rows = [np.hstack([mesh.positions, mesh.uv, mesh.light]) for _, mesh in meshes]
         lit = [mesh for _, mesh in meshes if self.under_lamps(mesh)]
-        albedo = (np.full_like(one.light, UNKNOWN_ALBEDO) if one.albedo is None else one.albedo for one in lit)
+        albedo = (np.full_like(one.light, _UNKNOWN_ALBEDO) if one.albedo is None else one.albedo for one in lit)
         more = [np.hstack([one.normals, one.light_uv, own]) for one, own in zip(lit, albedo, strict=True)]  # type: ignore
         vertices, further = (np.concatenate([np.zeros((0, 8), np.float32), *each]) for each in (rows, more))
         corners = np.concatenate([np.zeros((0, 3), np.uint32), *(mesh.triangles for _, mesh in meshes)])
@@ -384,7 +386,7 @@ def _cut(mesh: Mesh) -> list[Mesh]:
     if mesh.deformation is not None:
         return [mesh] if len(mesh.triangles) else []
     chunks = chunks_of(mesh)
-    return [mesh] if len(chunks) == 1 else [with_triangles(mesh, chunk) for chunk in chunks]
+    return [mesh] if len(chunks) == 1 else [_with_triangles(mesh, chunk) for chunk in chunks]
 
 
 def _from_byte_planes(data: bytes, shape: tuple[int, int], kind: type) -> NDArray[Any]:

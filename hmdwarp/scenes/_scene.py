@@ -19,7 +19,7 @@ from .input_events import InputLog
 MOST_PANELS = 15  # a headset's runtime composes 16 layers at least, of which one is the picture
 MOST_LAMPS = 4
 ATLAS = (64, 64)  # (w, h) texels of every scene's light atlas
-Rgb = tuple[float, float, float]
+_Rgb = tuple[float, float, float]
 NEAREST_M = 0.01  # a surface nearer than this to a lamp gets no more light
 
 
@@ -28,14 +28,14 @@ class Lamp:
     """A light that may move: a point where its motion is, or a sun far along the -z of its pose."""
 
     motion: Motion
-    colour: Rgb  # linear, that a white, matt surface shows which faces it: 1 m from a point, anywhere under a sun
+    colour: _Rgb  # linear, that a white, matt surface shows which faces it: 1 m from a point, anywhere under a sun
     is_sun: bool = False
     cone: tuple[float, float] | None = (
         None  # of a spot, radians about -z: all light up to the first, none at the second
     )
     brightness: Brightness | None = None  # the share of its colour that it sends; None for all of it
 
-    def light(self, time_ns: int) -> Rgb:
+    def light(self, time_ns: int) -> _Rgb:
         share = 1.0 if self.brightness is None else self.brightness.share(time_ns)
         red, green, blue = self.colour
         return share * red, share * green, share * blue
@@ -60,8 +60,8 @@ class Lamp:
         return np.append(ahead, -outer * scale)
 
 
-SAME_DIRECTION = 1e-3  # rad, between the normals of one plane
-SAME_PLANE_M = 1e-3
+_SAME_DIRECTION = 1e-3  # rad, between the normals of one plane
+_SAME_PLANE_M = 1e-3
 
 
 @attrs.frozen(eq=False)
@@ -79,16 +79,16 @@ def _plane_of(mesh: Mesh) -> NDArray[np.float64]:
     normals, positions = mesh.normals.astype(np.float64), mesh.positions.astype(np.float64)
     fault = f"mesh '{mesh.name}': a mirror without a normal"
     remedy = "a plane mirror is flat with one unit normal at all vertices; mark others as curved (curved=True)"
-    if not len(mesh.triangles) or np.abs(np.linalg.norm(normals, axis=1) - 1).max() > SAME_DIRECTION:
+    if not len(mesh.triangles) or np.abs(np.linalg.norm(normals, axis=1) - 1).max() > _SAME_DIRECTION:
         raise SceneError(f"{fault}: it lacks triangles, or its normals are not of length 1; {remedy}")
     mean = normals.mean(axis=0)
     mean /= max(float(np.linalg.norm(mean)), 1e-30)
     apart = np.linalg.norm(normals - mean, axis=1).max()
-    if apart > SAME_DIRECTION:
+    if apart > _SAME_DIRECTION:
         degrees = np.degrees(2 * np.arcsin(min(apart / 2, 1)))
         raise SceneError(f"{fault}: its normals differ by up to {degrees:.3g} degrees; {remedy}")
     distances = positions @ mean
-    if np.ptp(distances) > SAME_PLANE_M:
+    if np.ptp(distances) > _SAME_PLANE_M:
         raise SceneError(
             f"{fault}: its vertices leave a plane by {np.ptp(distances) * 1e3:.3g} mm along its normals; {remedy}"
         )
@@ -145,12 +145,12 @@ class Background:
     keeps the haze at the horizon thin.
     """
 
-    zenith: Rgb = (0.0, 0.0, 0.0)  # straight up
-    horizon: Rgb = (0.0, 0.0, 0.0)  # at the horizon
-    ground: Rgb = (0.0, 0.0, 0.0)  # straight down
+    zenith: _Rgb = (0.0, 0.0, 0.0)  # straight up
+    horizon: _Rgb = (0.0, 0.0, 0.0)  # at the horizon
+    ground: _Rgb = (0.0, 0.0, 0.0)  # straight down
 
     @classmethod
-    def uniform(cls, colour: Rgb) -> Background:
+    def uniform(cls, colour: _Rgb) -> Background:
         return cls(colour, colour, colour)
 
 

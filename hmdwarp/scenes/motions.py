@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 Array = NDArray[np.float64]
-GRAVITY_M_S2 = (0.0, -9.81, 0.0)
+_GRAVITY_M_S2 = (0.0, -9.81, 0.0)
 # Deforming things swing: limbs and cloth return about once in SWING_S. After a latency L a swing
 # has moved about as far as its speed takes it in sin(w L) / w seconds. The parabola L (1 - 2 L /
 # SWING_S) lies below that curve, and is nothing from half a swing on, where the speed predicts
@@ -123,7 +123,7 @@ class Thrown:
     period_s: float = attrs.field(converter=float, validator=_positive_seconds)
     # Rotation vector per second, in world axes.
     spin_rad_s: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=_vector)
-    gravity_m_s2: Array = attrs.field(default=GRAVITY_M_S2, converter=_vector)
+    gravity_m_s2: Array = attrs.field(default=_GRAVITY_M_S2, converter=_vector)
 
     def state(self, time_ns: int) -> RigidState:
         from scipy.spatial.transform import Rotation
@@ -290,7 +290,7 @@ class Reacting(ABC, Generic[State]):
 
 
 @attrs.frozen(eq=False)
-class BallState:
+class _BallState:
     """A ball at an instant: held, in flight, or on the floor."""
 
     position_m: Array
@@ -302,7 +302,7 @@ class BallState:
     reach_m: float = 0.0  # how far from the hand's origin that is
 
 
-class Bouncing(Reacting[BallState]):
+class Bouncing(Reacting[_BallState]):
     """A ball in a room, which it meets at the floor, the walls and the ceiling alone."""
 
     takes = (PUSH, GRAB, RELEASE)
@@ -315,7 +315,7 @@ class Bouncing(Reacting[BallState]):
         self.radius_m, self._low, self._high = radius_m, low + radius_m, high - radius_m
         x, z = np.array(at_m, np.float64)
         place = np.array([x, self._low[1], z])
-        super().__init__(name, log, BallState(place, np.zeros(3), np.array([0.0, 0, 0, 1]), np.zeros(3)))
+        super().__init__(name, log, _BallState(place, np.zeros(3), np.array([0.0, 0, 0, 1]), np.zeros(3)))
 
     def handle(self, time_ns: int) -> Array:
         return self.at(time_ns).position_m
@@ -325,15 +325,15 @@ class Bouncing(Reacting[BallState]):
         pose = Pose(now.position_m, now.turn)
         return RigidState(pose, now.velocity_m_s, now.spin_rad_s, self._acceleration(now))
 
-    def _acceleration(self, now: BallState) -> Array:
+    def _acceleration(self, now: _BallState) -> Array:
         if now.hand_m is not None:
             return FOLLOWS**2 * (now.position_m - now.hand_m)
         if now.flies:
-            return np.array(GRAVITY_M_S2)
+            return np.array(_GRAVITY_M_S2)
         speed = float(np.linalg.norm(now.velocity_m_s))
         return -self.ROLLS_M_S2 / speed * now.velocity_m_s if speed else np.zeros(3)
 
-    def changed(self, state: BallState, event: InputEvent) -> BallState:
+    def changed(self, state: _BallState, event: InputEvent) -> _BallState:
         ray = np.array(event.direction) / np.linalg.norm(event.direction)
         if event.action == PUSH:
             speed = state.velocity_m_s + self.PUSH_M_S * ray + self.LIFT_M_S * _UP
@@ -349,7 +349,7 @@ class Bouncing(Reacting[BallState]):
     def _limited(self, velocity: Array) -> Array:
         return velocity * min(1.0, self.FASTEST_M_S / max(float(np.linalg.norm(velocity)), 1e-9))
 
-    def after(self, state: BallState, seconds: float) -> BallState:
+    def after(self, state: _BallState, seconds: float) -> _BallState:
         if state.hand_m is not None:
             way = (state.position_m - state.hand_m) * math.exp(-FOLLOWS * seconds)
             return attrs.evolve(state, position_m=state.hand_m + way, velocity_m_s=-FOLLOWS * way)
@@ -358,7 +358,7 @@ class Bouncing(Reacting[BallState]):
             seconds -= took
         return state
 
-    def _to_next(self, state: BallState, seconds: float) -> tuple[BallState, float]:
+    def _to_next(self, state: _BallState, seconds: float) -> tuple[_BallState, float]:
         """Return the state after a bounce, or so many seconds, and how long it took."""
         pull = self._acceleration(state)
         ends = float(np.linalg.norm(state.velocity_m_s)) / self.ROLLS_M_S2 if not state.flies else math.inf
@@ -376,7 +376,7 @@ class Bouncing(Reacting[BallState]):
             return attrs.evolve(moved, velocity_m_s=np.zeros(3), spin_rad_s=np.zeros(3)), took
         return (self._bounced(moved, axis, bound) if took == when else moved), took
 
-    def _bounced(self, state: BallState, axis: int, bound: float) -> BallState:
+    def _bounced(self, state: _BallState, axis: int, bound: float) -> _BallState:
         place, speed = state.position_m.copy(), state.velocity_m_s.copy()
         place[axis], speed[axis] = bound, -self.RESTITUTION * speed[axis]
         on_floor = axis == 1 and bound == self._low[1]
@@ -403,7 +403,7 @@ def _meets(beyond: float, speed: float, pull: float, side: int) -> float:
     return when if when > 0 and root > 0 else math.inf
 
 
-def _turned(state: BallState, seconds: float) -> Array:
+def _turned(state: _BallState, seconds: float) -> Array:
     from scipy.spatial.transform import Rotation
 
     if not state.spin_rad_s.any():
@@ -413,7 +413,7 @@ def _turned(state: BallState, seconds: float) -> Array:
 
 
 @attrs.frozen
-class DoorState:
+class _DoorState:
     """A door at an instant."""
 
     angle_rad: float = 0.0
@@ -422,7 +422,7 @@ class DoorState:
     reach_m: float = 0.0  # how far the hand is from its origin
 
 
-class Hinged(Reacting[DoorState]):
+class Hinged(Reacting[_DoorState]):
     """A door that a push throws open or shut, and that follows a hand; friction stops it.
 
     Its own axes begin at the hinge, +x along the leaf; it opens from +x towards +z.
@@ -434,7 +434,7 @@ class Hinged(Reacting[DoorState]):
     def __init__(self, name: str, log: InputLog, hinge_m: ArrayLike, grip_m: ArrayLike) -> None:
         """Hang a door. hinge_m: in the world. grip_m: of the handle, in the door's own axes."""
         self._hinge, self._grip = np.array(hinge_m, np.float64), np.array(grip_m, np.float64)
-        super().__init__(name, log, DoorState())
+        super().__init__(name, log, _DoorState())
 
     def handle(self, time_ns: int) -> Array:
         return self._pose(self.at(time_ns)).transform(self._grip)
@@ -443,11 +443,11 @@ class Hinged(Reacting[DoorState]):
         now = self.at(time_ns)
         return RigidState(self._pose(now), angular_velocity_rad_s=-now.rad_s * _UP)
 
-    def _pose(self, state: DoorState) -> Pose:
+    def _pose(self, state: _DoorState) -> Pose:
         half = -state.angle_rad / 2
         return Pose(self._hinge, (0.0, math.sin(half), 0.0, math.cos(half)))
 
-    def after(self, state: DoorState, seconds: float) -> DoorState:
+    def after(self, state: _DoorState, seconds: float) -> _DoorState:
         if state.hand_rad is not None:
             left = (state.angle_rad - state.hand_rad) * math.exp(-FOLLOWS * seconds)
             return attrs.evolve(state, angle_rad=state.hand_rad + left, rad_s=-FOLLOWS * left)
@@ -456,19 +456,19 @@ class Hinged(Reacting[DoorState]):
         stops = min(max(angle, 0.0), self.WIDEST_RAD)
         return attrs.evolve(state, angle_rad=stops, rad_s=state.rad_s * slows if stops == angle else 0.0)
 
-    def changed(self, state: DoorState, event: InputEvent) -> DoorState:
+    def changed(self, state: _DoorState, event: InputEvent) -> _DoorState:
         if event.action == PUSH:
             opens = state.angle_rad < self.WIDEST_RAD / 2
-            return DoorState(state.angle_rad, self.PUSH_RAD_S if opens else -self.PUSH_RAD_S)
+            return _DoorState(state.angle_rad, self.PUSH_RAD_S if opens else -self.PUSH_RAD_S)
         if event.action == RELEASE:
-            return DoorState(state.angle_rad, state.rad_s)
+            return _DoorState(state.angle_rad, state.rad_s)
         ray = np.array(event.direction) / np.linalg.norm(event.direction)
         reach = state.reach_m
         if state.hand_rad is None:
             reach = float(np.linalg.norm(self._pose(state).transform(self._grip) - event.origin_m))
         x, _, z = event.origin_m + reach * ray - self._hinge
         hand = min(max(math.atan2(z, x), 0.0), self.WIDEST_RAD)
-        return DoorState(state.angle_rad, FOLLOWS * (hand - state.angle_rad), hand, reach)
+        return _DoorState(state.angle_rad, FOLLOWS * (hand - state.angle_rad), hand, reach)
 
 
 class Switched(Reacting[bool]):

@@ -11,7 +11,7 @@ from ..options import PICTURE, Declared, Number, one_of, option
 NONE = "none"
 SEED = "seed:"  # of inputs, before its number
 FILE_ENDINGS = (".glb", ".gltf", ".obj", ".ply", ".xml")
-UPS = ("y", "z")
+_UPS = ("y", "z")
 # How a client that draws learns of motion: it knows all of it beforehand, goes on from the last
 # state with its speed, or stays with it; and how a note says so.
 FORESEEN, EXTRAPOLATED, HELD = "foreseen", "extrapolated", "held"
@@ -35,7 +35,7 @@ class SceneOptions(Declared):
         valid=Number(least=1e-6, most=1e6),
     )
     up: str = option(
-        "y", "What is up in a scene file: y or z.", name="scene_up", study=PICTURE, valid=one_of(*UPS), limits="y or z"
+        "y", "What is up in a scene file: y or z.", name="scene_up", study=PICTURE, valid=one_of(*_UPS), limits="y or z"
     )
     # See `place`; None for a free place.
     viewpoint: str | None = option(

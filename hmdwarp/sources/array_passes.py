@@ -27,7 +27,7 @@ _TEXEL_BYTES = 16  # of given_colour and given_depth
 _WRONG, _NEGATIVE, _POSITIVE, _LARGEST, _BRIGHT, _FRACTION, _ABOVE_ONE = range(7)
 _WORDS = 8
 _INVERSE, _METRES, _UINT16, _UINT16_INVERSE = range(4)
-LARGEST_CODE = 65534  # of depth in 16 bits; 65535 is none
+_LARGEST_CODE = 65534  # of depth in 16 bits; 65535 is none
 _RESULTS = (SRGB8, SRGB, LINEAR)
 
 
@@ -227,7 +227,7 @@ class GiveCodes(Owner):
             colours = raw.reshape(high, -1, 4)[:, :wide].copy()
         with mapped(self._codes) as raw:
             codes = raw.view(np.uint16).reshape(high, -1)[:, :wide].copy()
-        return colours, codes, float(nearest / np.float32(LARGEST_CODE))
+        return colours, codes, float(nearest / np.float32(_LARGEST_CODE))
 
     @property
     def bytes(self) -> int:

@@ -49,7 +49,7 @@ class TypedLine:
         return lines
 
 
-class RawKeys:
+class _RawKeys:
     """Takes a terminal's keys as they are typed, until restore(); not in the background."""
 
     def __init__(self, descriptor: int) -> None:
@@ -137,9 +137,9 @@ COMMANDS = {
     "decline": "the participant does not agree: the session ends, and counts nowhere",
     "stop": "end the session; answers are kept",
 }
-LONGEST_REMARK = 1000
+_LONGEST_REMARK = 1000
 BOUND = ("answer", "skip", "agree", "decline")  # belong to their subject, and must not reach the step after it
-Subject = tuple[str, str, str, bool]  # step, scale, question, whether it is the consent
+_Subject = tuple[str, str, str, bool]  # step, scale, question, whether it is the consent
 
 
 def clock(seconds: float) -> str:
@@ -186,7 +186,7 @@ def refusal(name: str, state: ConsoleState) -> str:
     return why if holds else ""
 
 
-def subject_of(state: ConsoleState) -> Subject:
+def subject_of(state: ConsoleState) -> _Subject:
     """Return the subject of an answer typed now; once it has changed, the answer is void."""
     scale, text = ("", "") if state.question is None else (state.question.scale, state.question.text)
     return state.step, scale, text, state.phase == "reading"
@@ -209,10 +209,10 @@ def parse_line(line: str, state: ConsoleState) -> tuple[str, object] | None:
         raise ValueError("a remark needs words: remark the strap slipped")
     if rest and name != "remark":
         raise ValueError(f"{name!r} takes no value: {rest!r} means nothing")
-    return name, rest[:LONGEST_REMARK] or None
+    return name, rest[:_LONGEST_REMARK] or None
 
 
-LAST_LINES_S = 1.0
+_LAST_LINES_S = 1.0
 
 
 class LineConsole:
@@ -236,7 +236,7 @@ class LineConsole:
         self._typed = TypedLine()
         self._typed_for = subject_of(self._state)  # what a half-typed line is about
         self._redraws = False
-        self._keys: RawKeys | None = None
+        self._keys: _RawKeys | None = None
 
     def __enter__(self) -> Self:
         if self._kind == LINES:
@@ -247,7 +247,7 @@ class LineConsole:
         can_redraw &= all(stream is not None and not stream.closed and stream.isatty() for stream in streams)
         self._redraws = not self._quiet and can_redraw
         if self._redraws and self._input >= 0 and os.isatty(self._input):
-            self._keys = RawKeys(self._input)
+            self._keys = _RawKeys(self._input)
             self._keys.take()
         self._thread.start()
         if self._input >= 0:
@@ -256,7 +256,7 @@ class LineConsole:
 
     def __exit__(self, *_: object) -> None:
         self._lines.put(None)
-        self._thread.join(LAST_LINES_S)
+        self._thread.join(_LAST_LINES_S)
         if self._keys is not None:
             self._keys.restore()
 

@@ -326,7 +326,7 @@ def people_for_sign(share: float, alpha: float) -> int:
 
 
 PRIOR_SD = 5.0  # of a score and of the threshold, JOD: a difference of 5 JOD is one that 99.96 % see
-HALF_TIE = 0.5  # added to the ties, so that a resample without one still has a threshold
+_HALF_TIE = 0.5  # added to the ties, so that a resample without one still has a threshold
 _PRIOR = (PRIOR_SD / JOD_SPREAD) ** 2
 _STEPS, _CLOSE = 100, 1e-9
 
@@ -373,7 +373,7 @@ class _Likelihood:
         found = (self.won * log_ndtr(d - t) + self.lost * log_ndtr(-d - t)).sum(axis=1)
         if self.has_ties:
             with np.errstate(divide="ignore", invalid="ignore"):
-                found += (self.tied * np.log(_between(d, t))).sum(axis=1) + HALF_TIE * np.log(at[:, -1])
+                found += (self.tied * np.log(_between(d, t))).sum(axis=1) + _HALF_TIE * np.log(at[:, -1])
             found = np.where(at[:, -1] > 0, found, -np.inf)
         return np.asarray(found - (at**2).sum(axis=1) / (2 * _PRIOR))
 
@@ -417,8 +417,8 @@ class _Likelihood:
         gradient[:, :n] += by_d @ self.pairs
         hessian[:, :n, :n] = np.einsum("bp,pi,pj->bij", by_dd, self.pairs, self.pairs, optimize=True)
         if self.has_ties:
-            gradient[:, n] += by_t.sum(axis=1) + HALF_TIE / at[:, n]
-            hessian[:, n, n] = by_tt.sum(axis=1) - HALF_TIE / at[:, n] ** 2
+            gradient[:, n] += by_t.sum(axis=1) + _HALF_TIE / at[:, n]
+            hessian[:, n, n] = by_tt.sum(axis=1) - _HALF_TIE / at[:, n] ** 2
             hessian[:, :n, n] = hessian[:, n, :n] = by_dt @ self.pairs
         hessian[:, range(at.shape[1]), range(at.shape[1])] -= 1 / _PRIOR
         return gradient, hessian

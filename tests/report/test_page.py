@@ -188,7 +188,7 @@ addEventListener("load", () => {{
 PROBE = probe_of("""
     images: [...document.images].map(i => [i.complete, i.naturalWidth, i.naturalHeight, ...box(i)]),
     charts: [...document.querySelectorAll("svg")].map(box),
-    line: getComputedStyle(document.querySelector(".chart [style*='--series-1']")).stroke,
+    line: getComputedStyle(document.querySelector(".chart [style*='stroke: var(--series-1)']")).stroke,
 """)
 
 

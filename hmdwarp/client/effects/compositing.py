@@ -94,7 +94,7 @@ effects.declare(
 )
 
 
-class LightPass(ShownPass):
+class _LightPass(ShownPass):
     """Draw the scene's albedo at the newest pose; multiply it with the warped and filled light.
 
     What textures emit is drawn by itself, and added after: no light falls on it.
@@ -128,4 +128,4 @@ class LightPass(ShownPass):
         self._program.run(*into.size)
 
 
-effects.declare("light_only", LightPass, Needs(light=True), applies=lambda scene, mesh: True)
+effects.declare("light_only", _LightPass, Needs(light=True), applies=lambda scene, mesh: True)

@@ -28,7 +28,7 @@ NEAREST_M = 0.02
 MOST_BODIES = 4096
 MOST_SIDE = 2**16 - 1  # a pixel's index has 16 bits a side
 QUADS = 2**14  # in one draw: a corner's index has 16 bits
-ROWS, DRAW_BYTES, MAP_FLOATS = 32, 20, 16  # as in shaders/effects/motion_split.comp, motion_order.comp and motion.glsl
+ROWS, _DRAW_BYTES, MAP_FLOATS = 32, 20, 16  # as in shaders/effects/motion_split.comp, motion_order.comp and motion.glsl
 STILL = 1e-9  # pixels: rounding of a body at rest, far below any motion
 RIGID, SOFT = "rigid_motion", "soft_motion"
 
@@ -89,7 +89,7 @@ class MotionPass(RenderedPass):
         self._words, self._draws = wide * -(-high // ROWS), -(-wide * high // QUADS)
         # Body maps; masks, prefix counts, draws, the list: bound in the order of the shaders'
         # numbers.
-        masks, draws = 4 * self._words, DRAW_BYTES * self._draws
+        masks, draws = 4 * self._words, _DRAW_BYTES * self._draws
         sizes = (4 * MAP_FLOATS * MOST_BODIES, masks, masks, draws, 4 * wide * high)
         self._buffers = [self.own(gl.buffer(reserve=size)) for size in sizes]
         corners = 4 * np.arange(QUADS)[:, None] + np.array([0, 1, 2, 2, 1, 3])

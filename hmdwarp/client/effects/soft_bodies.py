@@ -27,12 +27,12 @@ PLACE = (4, "f4")
 # ground only where the two meet.
 SAME = 0.01
 # Tangent of the angle from facing up to which neighbouring pixels are one surface: 80 degrees.
-STEEPEST = 5.7
+_STEEPEST = 5.7
 _RELIGHT = RelightSettings()
 _NOW = ("albedo", "body_inverse_depth", "lit", "late_place", "late_normal")  # what is drawn now, by the shader's names
 
 
-class DeformingBodies(Store):
+class _DeformingBodies(Store):
     """What deforms in the scene, drawn without light into textures; -1 in all of them elsewhere."""
 
     def __init__(self, client: ClientScene, wanted: None) -> None:
@@ -113,7 +113,7 @@ class DeformingBodies(Store):
         return [whole_weight(self._scene)]
 
 
-class SoftBodiesPass(ShownPass):
+class _SoftBodiesPass(ShownPass):
     """Take what deforms out of the rendered pictures; draw it into the shown one as it is now."""
 
     name = "soft bodies"
@@ -124,7 +124,7 @@ class SoftBodiesPass(ShownPass):
 
     def prepare(self) -> None:
         geometry, rendered = self.tools.geometry, self.rendered_size
-        self._bodies = None if geometry is None else geometry.store(DeformingBodies)
+        self._bodies = None if geometry is None else geometry.store(_DeformingBodies)
         self._take, self._light = (self.gpu.shaders.compute(f"effects/soft_{name}.comp") for name in ("take", "light"))
         self._then = self._allocated(rendered, COLOUR, SCALAR)
         self._now = self._allocated(self.shown_size, COLOUR, SCALAR, COLOUR, PLACE, COLOUR)
@@ -174,10 +174,10 @@ class SoftBodiesPass(ShownPass):
         self._lights.bind_samples()
         rays = tangents_of_pixels(late.view, late.size)
         units |= {"late_first": rays["tangent_start"], "late_pixel": rays["tangent_step"], "late_size": late.size}
-        limits = {"same": SAME, "steepest": STEEPEST * max(rays["tangent_step"]), "near": NEAR, "off_plane": OFF_PLANE}
+        limits = {"same": SAME, "steepest": _STEEPEST * max(rays["tangent_step"]), "near": NEAR, "off_plane": OFF_PLANE}
         limits |= {"samples": _RELIGHT.samples, "model_weight": MODEL_WEIGHT["none"]}
         self._light.uniforms.set(shown_size=self.shown_size, **units, **limits)
         self._light.run(*self.shown_size)
 
 
-effects.declare("soft_bodies", SoftBodiesPass, applies=lambda _, mesh: mesh.deformation is not None)
+effects.declare("soft_bodies", _SoftBodiesPass, applies=lambda _, mesh: mesh.deformation is not None)

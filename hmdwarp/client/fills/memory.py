@@ -100,7 +100,7 @@ class HoleFiller(Owner):
 Mask = NDArray[np.bool_]
 SAMPLES = 12  # directions on each axis of a view
 REACH_M = 0.3  # an eye farther away may have seen other sides of things
-NOVELTY = 0.12  # least share of a view, covered by no kept picture, for it to be kept
+_NOVELTY = 0.12  # least share of a view, covered by no kept picture, for it to be kept
 INSIDE = 0.15  # weight of a direction inside the newest picture, which lacks only occluded places there
 AGAIN = 0.3  # weight of a direction that another picture covers: the place may be occluded there
 
@@ -148,7 +148,7 @@ def covered(view: View, by: Sequence[Keyframe]) -> Mask:
     return found
 
 
-def overlapping(view: View, kept: Sequence[Keyframe]) -> list[Keyframe]:
+def _overlapping(view: View, kept: Sequence[Keyframe]) -> list[Keyframe]:
     """Return the keyframes that overlap the view's directions."""
     towards = directions(view)
     return [keyframe for keyframe in kept if sees(keyframe.view, towards).any()]
@@ -156,7 +156,7 @@ def overlapping(view: View, kept: Sequence[Keyframe]) -> list[Keyframe]:
 
 def is_new(view: View, kept: Sequence[Keyframe]) -> bool:
     """Return whether the view shows enough that no kept picture shows."""
-    return float(1 - covered(view, kept).mean()) >= NOVELTY
+    return float(1 - covered(view, kept).mean()) >= _NOVELTY
 
 
 def most_redundant(kept: Sequence[Keyframe], newest: View) -> Keyframe:
@@ -195,26 +195,26 @@ def most_useful(kept: Sequence[Keyframe], shown: View, rendered: View, most: int
     return [keyframe for _, _, keyframe in sorted(chosen)]
 
 
-BYTES_PER_PIXEL = 13  # of a kept picture
+_BYTES_PER_PIXEL = 13  # of a kept picture
 
 # Threshold of a clear difference. By how much nearer, relative to the depth, a place must be than
 # everything that the newest picture shows in 4 x 4 pixels around it; and by how much darker or
 # brighter than all of them, absolute in linear light and as a share of the brightest. Textures seen
 # from another place differ by less, because their detail is filtered by distance.
-TOLERANCE = 0.05
-COLOUR_MARGIN = (0.08, 0.25)
+_TOLERANCE = 0.05
+_COLOUR_MARGIN = (0.08, 0.25)
 _IDS = 1  # texture unit
 
 
 # Side of the squares of kept pixels of which a comparison looks at one: with 1 it takes 3.4 times
 # as long, and pictures of six heads and scenes differ by at most 0.02 dB.
-BLOCK_SIDE = 4
+_BLOCK_SIDE = 4
 
 
-def place_in_block(turn: int) -> tuple[int, int]:
+def _place_in_block(turn: int) -> tuple[int, int]:
     """Return the pixel (x, y) of each block that a comparison looks at; in 16 turns it is each."""
-    y, x = divmod(turn % BLOCK_SIDE**2, BLOCK_SIDE)
-    return (x + 2 * y) % BLOCK_SIDE, (y + 2 * x) % BLOCK_SIDE
+    y, x = divmod(turn % _BLOCK_SIDE**2, _BLOCK_SIDE)
+    return (x + 2 * y) % _BLOCK_SIDE, (y + 2 * x) % _BLOCK_SIDE
 
 
 class Slot(Owner):
@@ -267,9 +267,9 @@ class Keeper(Owner):
         read = {"rendered_colour": rendered.colour, "rendered_depth": rendered.inverse_depth}
         change = {"kept_colour": slot.colour, "kept_depth": slot.inverse_depth}
         units = bind_images(read, {"seeds": slot.seeds}, change)
-        limits = {"depth_tolerance": TOLERANCE, "depth_floor": DEPTH_FLOOR, "colour_margin": COLOUR_MARGIN}
-        which = {"block": BLOCK_SIDE, "place": place_in_block(turn), "once": 1, "rendered_size": self._size}
-        self._run(self._forget, tiles(self._size, BLOCK_SIDE), H=there.H, e=there.e, **which, **units, **limits)
+        limits = {"depth_tolerance": _TOLERANCE, "depth_floor": DEPTH_FLOOR, "colour_margin": _COLOUR_MARGIN}
+        which = {"block": _BLOCK_SIDE, "place": _place_in_block(turn), "once": 1, "rendered_size": self._size}
+        self._run(self._forget, tiles(self._size, _BLOCK_SIDE), H=there.H, e=there.e, **which, **units, **limits)
 
     def _run(self, program: Compute, size: tuple[int, int], **uniforms: object) -> None:
         self._gpu.barrier()
@@ -282,7 +282,7 @@ CELL = 2  # side, in shown pixels, of squares that share first guesses, which co
 
 
 @attrs.frozen
-class MemorySettings:
+class _MemorySettings:
     """How many pictures are kept, and for how long."""
 
     frames: int = limited(12, 1, MOST_FRAMES, "pictures")  # Kept, of both eyes together.
@@ -306,12 +306,12 @@ class Memory(Fill):
     name = "memory"
     reads = ("shown.colour", "rendered.colour", "rendered.inverse_depth")
     writes = ("shown.colour", "shown.inverse_depth")
-    Settings = MemorySettings
+    Settings = _MemorySettings
     remembers = True
 
     def prepare(self) -> None:
         wide, high = self.rendered_size
-        each = BYTES_PER_PIXEL * wide * high
+        each = _BYTES_PER_PIXEL * wide * high
         count = min(self.settings.frames, math.floor(self.settings.mb * 1e6 / each))
         if count < 1:
             wanted = f"one rendered picture of {wide}x{high} takes {each / 1e6:.0f} MB"
@@ -350,7 +350,7 @@ class Memory(Fill):
         # Drop pictures that are too old, or from a later time: those belong to another run.
         limit = round(self.settings.age * 1e9)
         self._kept = [keyframe for keyframe in self._kept if 0 <= rendered.drawn_ns - keyframe.drawn_ns <= limit]
-        concerned = overlapping(rendered.view, self._kept) if self._forgets else ()
+        concerned = _overlapping(rendered.view, self._kept) if self._forgets else ()
         if concerned:
             self._turn += 1
             one = concerned[self._turn % len(concerned)]
@@ -365,7 +365,7 @@ class Memory(Fill):
 
     @classmethod
     def bytes_kept(cls, rendered_pixels: int, settings: Any) -> int:
-        return min(int(settings.frames) * BYTES_PER_PIXEL * rendered_pixels, int(settings.mb * 1e6))
+        return min(int(settings.frames) * _BYTES_PER_PIXEL * rendered_pixels, int(settings.mb * 1e6))
 
 
 @fills.register

@@ -23,7 +23,7 @@ BLOCK = 8  # pixels, as in shaders/lib/relight.glsl
 LIGHT = (4, "f4")  # rgba32f, PARTS texels a block
 PARTS = 3
 SEED = 0.5
-SAME_DEPTH = SAME_SURFACE = (
+_SAME_DEPTH = SAME_SURFACE = (
     0.05  # the model's surfaces are off by a few hundredths; a smaller tolerance leaves curved objects unlit
 )
 NEAR, OFF_PLANE = 0.05, 0.06
@@ -68,7 +68,7 @@ class BlockLights(Owner):
         """
         names = ("warped", "warped_inverse_depth", "albedo", "model_inverse_depth")
         units = bind_images(dict(zip(names, textures, strict=True)), change={"lights": self.texture})
-        limits = {"same_depth": SAME_DEPTH, "same_surface": SAME_SURFACE, **tangents_of_pixels(view, self._size)}
+        limits = {"same_depth": _SAME_DEPTH, "same_surface": SAME_SURFACE, **tangents_of_pixels(view, self._size)}
         self._find.uniforms.set(shown_size=self._size, block_count=self._blocks, **units, **limits)
         self._find.run(*self._blocks)
 
@@ -184,7 +184,7 @@ MOST_SAMPLES = 256
 
 
 @attrs.frozen
-class CompositeSettings:
+class _CompositeSettings:
     """Where light is looked for, and where it counts; the thesis gives none of these numbers."""
 
     samples: int = limited(16, 1, MOST_SAMPLES)  # Random places for each pixel of a hole.
@@ -196,7 +196,7 @@ class CompositeSettings:
     seed: int = limited(0, 0, 2**32 - 1)  # Of the random places; every frame draws others from it.
 
 
-def random_offsets(seed: int, radius_pixels: float) -> NDArray[np.int32]:
+def _random_offsets(seed: int, radius_pixels: float) -> NDArray[np.int32]:
     """Return (OFFSETS, 2) pixel offsets, evenly spread over a disc of that radius."""
     rng = np.random.default_rng(seed)
     away, turn = radius_pixels * np.sqrt(rng.uniform(size=OFFSETS)), rng.uniform(0, 2 * np.pi, OFFSETS)
@@ -220,14 +220,14 @@ class Composite(Fill):
     name = "composite"
     reads = ("shown.colour", "client.model")
     writes = ("shown.colour", "shown.inverse_depth")
-    Settings = CompositeSettings
+    Settings = _CompositeSettings
     variants = ("average=median",)
 
     def prepare(self) -> None:
         gl, chosen = self.gpu.gl, self.settings
         self._model, self._unlit = self.model(1.0, lit=False), self.picture()
         self._pieces = self.own(HolePieces(self.gpu, self.name, self.shown_size, with_depth=True))
-        offsets = random_offsets(chosen.seed, chosen.radius * self.shown_size[0])
+        offsets = _random_offsets(chosen.seed, chosen.radius * self.shown_size[0])
         self._offsets = self.own(gl.buffer(offsets.tobytes()))
         median = chosen.samples if chosen.average == "median" else 0
         self._program = self.gpu.shaders.compute("fills/composite.comp", MEDIAN=median)

@@ -77,7 +77,7 @@ def minimum_count(size: int) -> int:
 
 
 @attrs.frozen
-class InterpolateSettings:
+class _InterpolateSettings:
     size: Literal[3, 5, 7] = 3  # Of the kernel, in pixels.
 
 
@@ -90,7 +90,7 @@ class Interpolate(Fill):
 
     name = "interpolate"
     needs_compute = False
-    Settings = InterpolateSettings
+    Settings = _InterpolateSettings
     variants = ("size=5", "size=7")
 
     @classmethod
@@ -127,11 +127,11 @@ class Interpolate(Fill):
         self._program.run(WORKERS)
 
 
-LEAST_PARALLAX = 0.25  # pixels at 1 m; below this no hole is a pixel wide unless an object is nearer than 25 cm
+_LEAST_PARALLAX = 0.25  # pixels at 1 m; below this no hole is a pixel wide unless an object is nearer than 25 cm
 
 
 @attrs.frozen
-class StretchSettings:
+class _StretchSettings:
     """How streaks are smoothed, and what is one surface: see depth_limits of warps/gather.py."""
 
     # Pixels of smoothing per pixel of distance from the start of the streak, if that is at least
@@ -152,7 +152,7 @@ class Stretch(Fill):
     name = "stretch"
     reads = ("shown.colour", "shown.inverse_depth")
     writes = ("shown.colour", "shown.inverse_depth")
-    Settings = StretchSettings
+    Settings = _StretchSettings
 
     def prepare(self) -> None:
         self._draw, self._smooth = (self.gpu.shaders.compute("fills/stretch.comp", PASS=k) for k in range(2))
@@ -165,7 +165,7 @@ class Stretch(Fill):
         back = view_map(inputs.middle, self.shown_size, inputs.rendered.view, self.rendered_size)
         read, write = {"warped": picture.colour, "warped_depth": picture.depth}, {"filled": into.colour}
         both = bind_images(read, write, {"filled_depth": into.depth, "streaks": self._streaks})
-        both |= {"shown_size": self.shown_size, "e": forward.e, "least_parallax": LEAST_PARALLAX}
+        both |= {"shown_size": self.shown_size, "e": forward.e, "least_parallax": _LEAST_PARALLAX}
         both |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor}
         views = {"back_H": back.H, "back_e": back.e, "rendered_size": self.rendered_size}
         for program, own in ((self._draw, {"stamp": stamp, **views}), (self._smooth, {"spread": chosen.spread})):

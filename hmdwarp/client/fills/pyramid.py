@@ -15,7 +15,7 @@ from ..settings import limited
 from . import fills
 from ._base import Fill, HolePieces
 
-DEPTH_AND_HOLES = (4, "f4")  # rgba32f
+_DEPTH_AND_HOLES = (4, "f4")  # rgba32f
 # Up to texels of 2^LOCAL_LEVELS pixels, the farthest surface is preferred if it makes up
 # LEAST_LOCAL of the hole borders below a texel. Above that it must make up LEAST_BORDER, and no
 # longer replaces nearer surfaces. Borders of cracks weigh CRACK_BORDER.
@@ -32,7 +32,7 @@ _PULLED = {"below_colour": _FIRST[0], "below_depth": _FIRST[1], "level_colour": 
 
 
 @attrs.frozen
-class PyramidSettings:
+class _PyramidSettings:
     """When the background is preferred, and what is one surface: see depth_limits of warps."""
 
     # Share of empty pixels in a part of the picture from which on the background is preferred to
@@ -49,7 +49,7 @@ class _Level(Owner):
         self.size = size
         self.colour = self.own(allocate(gpu.gl, size, COLOUR))  # and weight
         # Inverse depth (-1: none), share of empty pixels, and weight of the hole borders.
-        self.depth = self.own(allocate(gpu.gl, size, DEPTH_AND_HOLES))
+        self.depth = self.own(allocate(gpu.gl, size, _DEPTH_AND_HOLES))
         self.framebuffer = self.own(gpu.gl.framebuffer([self.colour, self.depth]))
 
     def binding(self, units: tuple[int, int], *, read: bool = True, write: bool = False) -> list[Callable[[], None]]:
@@ -81,7 +81,7 @@ class Pyramid(Fill):
     writes = ("shown.colour", "shown.inverse_depth")
     complete = True
     drops_depth = True
-    Settings = PyramidSettings
+    Settings = _PyramidSettings
 
     def prepare(self) -> None:
         shaders = self.gpu.shaders

@@ -18,7 +18,7 @@ from ...headsets import COLOURS, Headset, Lens, RadialLens, TableLens, ViveLens
 from ..settings import DescribedRegistry
 
 # Image unit of the picture that programs for the panel read.
-TEXELS_UNIT = 7
+_TEXELS_UNIT = 7
 # Of a program that includes lib/panel.glsl. ROWS: pixels of a column per invocation. TEXELS: image
 # loads instead of the sampler. On llvmpipe 32 rows take 0.8 of the time of 8, because the ends of
 # the visible part are computed once per column. A GPU needs many invocations.
@@ -30,8 +30,8 @@ def bind_texels(program: Compute, picture: moderngl.Texture) -> dict[str, object
     """Bind the picture that a panel program reads by image loads, if any; return its uniform."""
     if not program.uniforms.declares("rendered_texels"):
         return {}
-    picture.bind_to_image(TEXELS_UNIT, read=True, write=False)
-    return {"rendered_texels": TEXELS_UNIT}
+    picture.bind_to_image(_TEXELS_UNIT, read=True, write=False)
+    return {"rendered_texels": _TEXELS_UNIT}
 
 
 @attrs.frozen(eq=False)
@@ -109,7 +109,7 @@ class LensPass(Owner, ABC):
         raise NotImplementedError(f"lens '{self.name}' cannot be fused with a warp")
 
 
-class ResampledLens(LensPass):
+class _ResampledLens(LensPass):
     """A lens that one resample of the shown picture corrects, by a library of its own.
 
     Errors, when made: InputError for a headset without a lens of this model.
@@ -176,7 +176,7 @@ class NoLens(LensPass):
 
 
 @lenses.register
-class Radial(ResampledLens):
+class Radial(_ResampledLens):
     """Sample once per channel for each panel pixel, which cancels the lens's colour fringes."""
 
     name = "radial"
@@ -211,7 +211,7 @@ ROWS = 129
 
 
 @lenses.register
-class Table(ResampledLens):
+class Table(_ResampledLens):
     """Sample once per channel; black beyond the last angle of the table."""
 
     name = "table"
@@ -233,7 +233,7 @@ class Table(ResampledLens):
 
 
 @lenses.register
-class Vive(ResampledLens):
+class Vive(_ResampledLens):
     """Sample once per channel, each around its own centre; black beyond the cutoff."""
 
     name = "vive"

@@ -111,7 +111,7 @@ ATOMIC64 = ("GL_NV_shader_atomic_int64", "GL_ARB_gpu_shader_int64")  # extension
 
 
 @attrs.frozen
-class ForwardSettings:
+class _ForwardSettings:
     """Which atomics to use; the pictures are bit-identical."""
 
     # portable: two 32-bit atomic passes. atomic64: one pass with a 64-bit key. auto: atomic64 where
@@ -127,7 +127,7 @@ class Forward(ScatterWarp):
     """
 
     name = "forward"
-    Settings = ForwardSettings
+    Settings = _ForwardSettings
 
     def prepare(self) -> None:
         if self.rendered_size[0] * self.rendered_size[1] > MOST_PIXELS:
@@ -216,7 +216,7 @@ FARTHEST = 2.0**20
 
 
 @attrs.frozen
-class ForwardOrderedSettings:
+class _ForwardOrderedSettings:
     """The order in which rendered pixels are visited."""
 
     # rings: squares around the epipole, so that pixels of similar distance are compared. rows:
@@ -229,7 +229,7 @@ class ForwardOrdered(OrderedScatter):
     """Scatter pixels as if one by one: towards the epipole, or away from it if moved back."""
 
     name = "forward_ordered"
-    Settings = ForwardOrderedSettings
+    Settings = _ForwardOrderedSettings
 
     def defines(self) -> dict[str, object]:
         return {"RINGS": 1} if self.settings.sheets == "rings" else {}
@@ -277,7 +277,7 @@ class ForwardRaster(OrderedScatter):
 
 
 @attrs.frozen
-class SplatSettings:
+class _SplatSettings:
     """The size of footprints; what neighbours are one surface, by the pixel's own depth."""
 
     tolerance: float = limited(0.03)
@@ -298,7 +298,7 @@ class Splat(ScatterWarp):
     """
 
     name = "splat"
-    Settings = SplatSettings
+    Settings = _SplatSettings
 
     def prepare(self) -> None:
         self._cover = self.gpu.shaders.compute("warps/splat.comp", grid="rendered", PASS=0)

@@ -242,7 +242,7 @@ class NoWarp(HomographyWarp):
 
 
 @attrs.frozen
-class RotationSettings(GatherSettings):
+class _RotationSettings(GatherSettings):
     """What is shown beyond the border of the rendered picture."""
 
     # clamp: its outermost pixels go on, so that no border is seen. Nothing counts as a hole then.
@@ -255,7 +255,7 @@ class Rotation(HomographyWarp):
 
     name = "rotation"
     needs_compute = False
-    Settings = RotationSettings
+    Settings = _RotationSettings
     baselines = {"edge=clamp": "most streamers"}
 
     def map_between(self, shown: View, rendered: View) -> WarpMap:
@@ -364,7 +364,7 @@ class Environment(GatherWarp):
 
 
 @attrs.frozen
-class BackwardSettings(GatherSettings):
+class _BackwardSettings(GatherSettings):
     """When a rendered depth agrees with the client's: as depth_limits says."""
 
     # off: no rendered depth is sent or compared. Every place in the rendered picture counts, so
@@ -381,7 +381,7 @@ class Backward(GatherWarp):
     name = "backward"
     needs_compute = False
     reads = ("rendered.colour", "rendered.inverse_depth", "client.inverse_depth")
-    Settings = BackwardSettings
+    Settings = _BackwardSettings
     depth_reads = ("client.inverse_depth",)
     scans_out = False  # the client's depth is drawn at one instant
 

@@ -24,7 +24,7 @@ from .gather import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, de
 
 BLOCK = 4  # pixels on each axis, rendered and shown; as in shaders/lib/seeds.glsl
 BLOCK_BYTES, CELL_BYTES = 16, 4
-MOST_INDEX_BITS = 27  # of a key's 32; five are the exponent of the depth
+_MOST_INDEX_BITS = 27  # of a key's 32; five are the exponent of the depth
 
 
 class Seeds(Owner):
@@ -34,8 +34,8 @@ class Seeds(Owner):
         self._gpu, self._rendered_size, self._shown_size = gpu, rendered_size, shown_size
         bits = tuple((n - 1).bit_length() for n in rendered_size)
         self._blocks, self.cells = (tiles(size, BLOCK) for size in (rendered_size, shown_size))
-        most = min(gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] // BLOCK_BYTES * BLOCK**2, 2**MOST_INDEX_BITS)
-        if sum(bits) > MOST_INDEX_BITS or BLOCK**2 * self._blocks[0] * self._blocks[1] > most:
+        most = min(gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] // BLOCK_BYTES * BLOCK**2, 2**_MOST_INDEX_BITS)
+        if sum(bits) > _MOST_INDEX_BITS or BLOCK**2 * self._blocks[0] * self._blocks[1] > most:
             raise InputError(
                 f"a rendered picture of {rendered_size[0]}x{rendered_size[1]}: the forward seed takes about {most} "
                 "pixels at most; use seed=rotation"
@@ -70,12 +70,12 @@ class Seeds(Owner):
 
 
 _MEAN_BLOCK = 8  # pixels on each side, as SIDE and ROWS in the shaders
-MOST_OLDER = 3
+_MOST_OLDER = 3
 # Image units; one for each older frame. The texture unit of a colour is that of its image.
-_SHOWN, _SHOWN_DEPTH, _SUMS, _TOLD, _DEPTHS, _COLOURS = 0, 1, 2, 3, 4, 4 + MOST_OLDER
+_SHOWN, _SHOWN_DEPTH, _SUMS, _TOLD, _DEPTHS, _COLOURS = 0, 1, 2, 3, 4, 4 + _MOST_OLDER
 
 
-class OlderFrames(Owner):
+class _OlderFrames(Owner):
     """Passes that look each shown pixel up in older frames, where they saw the same surface.
 
     The place follows from the depth that the warp has found, so nothing is searched again. Noise,
@@ -163,7 +163,7 @@ class IterativeSettings(GatherSettings):
     sheet: float = limited(1.0)
     resample: Literal["bilinear", "catmull-rom"] = "catmull-rom"
     # Late frames that are averaged: the newest, and older ones where they saw the same surface.
-    frames: int = limited(3, 1, MOST_OLDER + 1)
+    frames: int = limited(3, 1, _MOST_OLDER + 1)
     # Whether the pixel beside a nearer surface, whose colour antialiasing has mixed, moves with it.
     fringe: Literal["front", "own"] = chosen("front", "own")
 
@@ -204,10 +204,10 @@ class Iterative(GatherWarp):
 
     def prepare(self) -> None:
         chosen = self.settings
-        self._older: OlderFrames | None = None
+        self._older: _OlderFrames | None = None
         if self._averages:
             most, scanout = chosen.frames - 1, self.output.scanout
-            self._older = self.own(OlderFrames(self.gpu, self.rendered_size, self.shown_size, most, scanout=scanout))
+            self._older = self.own(_OlderFrames(self.gpu, self.rendered_size, self.shown_size, most, scanout=scanout))
         seeded = chosen.seed == "forward"
         samples = {"PLAIN": chosen.steps - chosen.slanted, "SLANTED": chosen.slanted}
         self._program = self.gather("warps/iterative.comp", **samples, **({"SEEDED": 1} if seeded else {}))

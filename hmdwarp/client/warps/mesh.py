@@ -24,7 +24,7 @@ from ._base import Warp, pixel_of
 from .gather import bind_rendered_colour
 
 
-class MeshTarget(Owner):
+class _MeshTarget(Owner):
     """A framebuffer of the shown size."""
 
     def __init__(self, gpu: Gpu, shown_size: tuple[int, int]) -> None:
@@ -70,19 +70,19 @@ class GridMesh(Owner):
         corners = y * side + x + np.array([0, 1, side, side, 1, side + 1])  # two triangles, both turning to the left
         indices = self.own(gpu.gl.buffer(corners.astype(np.uint32).tobytes()))
         array = gpu.gl.vertex_array(self._draw.program, [], index_buffer=indices, index_element_size=4)
-        self._array, self._target = self.own(array), self.own(MeshTarget(gpu, shown_size))
+        self._array, self._target = self.own(array), self.own(_MeshTarget(gpu, shown_size))
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         """Draw one eye's picture."""
         forward = view_map(inputs.rendered.view, self._rendered_size, inputs.shown, self._shown_size)
-        named = drawn_with(inputs.rendered, forward, self._rendered_size, self._shown_size)
+        named = _drawn_with(inputs.rendered, forward, self._rendered_size, self._shown_size)
         self._draw.uniforms.set_declared(side=self._side, ring=self._ring, nearer=STEP, **named)
         with self._target.drawing(inputs.shown):
             self._array.render(moderngl.TRIANGLES)
         self._target.copy_to(into)
 
 
-def drawn_with(
+def _drawn_with(
     rendered: EyeImage, forward: WarpMap, rendered_size: tuple[int, int], shown_size: tuple[int, int]
 ) -> dict[str, object]:
     """Bind a rendered picture for shaders that draw it; return their uniforms."""
@@ -176,7 +176,7 @@ class MeshWarp(Warp):
         self._arrays = [
             self.own(gl.vertex_array(program, [], index_buffer=by, index_element_size=2)) for program, by in drawn
         ]
-        self._target = self.own(MeshTarget(self.gpu, self.shown_size))
+        self._target = self.own(_MeshTarget(self.gpu, self.shown_size))
 
     @property
     def cuts(self) -> tuple[bool, bool]:
@@ -194,7 +194,7 @@ class MeshWarp(Warp):
         back = view_map(shown, self.shown_size, rendered.view, self.rendered_size)
         for binding, buffer in enumerate(self._buffers):
             buffer.bind_to_storage_buffer(binding)
-        named = drawn_with(rendered, forward, self.rendered_size, self.shown_size)
+        named = _drawn_with(rendered, forward, self.rendered_size, self.shown_size)
         named |= {"steepest": steepest(rendered.view, self.rendered_size, self.settings.steepest_deg)}
         named |= {"reach": reach(forward, self.shown_size), "group_count": self._groups[0] * self._groups[1]}
         named |= {"draws": self._calls, "draw_quads": QUADS, **self.merging}
@@ -263,7 +263,7 @@ RING = 0.005  # of the picture; openwarp's program sets one cell of its grid
 
 
 @attrs.frozen
-class MeshSettings:
+class _MeshSettings:
     """Where the mesh is cut; or, with a grid, how it is stretched."""
 
     cut: Literal["slope", "vertex", "both"] = chosen("slope", "vertex", "both")  # How sheets are found.
@@ -289,7 +289,7 @@ class Mesh(MeshWarp):
     """A mesh with a vertex a pixel, cut between surfaces, or with a grid of fewer, which is not."""
 
     name = "mesh"
-    Settings = MeshSettings
+    Settings = _MeshSettings
     baselines = {"grid=64": "CloudXR.js", "grid=512,ring=0.002": "ILLIXR openwarp"}
     adaptive = False
 
@@ -312,7 +312,7 @@ class Mesh(MeshWarp):
 
 
 @attrs.frozen
-class MeshAdaptiveSettings:
+class _MeshAdaptiveSettings:
     """How far cells are merged."""
 
     tolerance: float = limited(0.05)  # Shown pixels by which merging may displace a point.
@@ -327,7 +327,7 @@ class MeshAdaptive(MeshWarp):
     """`mesh` with cells of up to 16x16 pixels where this motion stays within the tolerance."""
 
     name = "mesh_adaptive"
-    Settings = MeshAdaptiveSettings
+    Settings = _MeshAdaptiveSettings
     adaptive = True
 
     @property

@@ -105,7 +105,7 @@ def _delivery(settings: ModelSettings) -> Delivery:
 
 
 @attrs.frozen
-class DifferenceSettings:
+class _DifferenceSettings:
     """The simplified scene, and what is done with the difference."""
 
     # Share of the triangles, 0 to 1, and scale of the textures' resolution on both axes.
@@ -123,13 +123,13 @@ class Difference(Warp):
     name = "difference"
     kind = "draw"
     reads = ("rendered.difference", "client.model")
-    Settings = DifferenceSettings
+    Settings = _DifferenceSettings
     variants = ("warped=off",)
     depth_reads = ()
     carries = False
 
     @classmethod
-    def needs(cls, settings: DifferenceSettings) -> Needs:
+    def needs(cls, settings: _DifferenceSettings) -> Needs:
         return Needs(difference=frozenset({_simplified(settings)}))
 
     def prepare(self) -> None:
@@ -172,5 +172,5 @@ class Difference(Warp):
         program.run(*self.shown_size)
 
 
-def _simplified(settings: DifferenceSettings) -> Simplified:
+def _simplified(settings: _DifferenceSettings) -> Simplified:
     return Simplified(settings.share, settings.texture, settings.light == "baked")

@@ -26,7 +26,7 @@ from ._base import Warp, pixel_of
 from .forward import check_room
 from .gather import USUAL_LIMITS, bind_rendered_colour
 
-PIECE_ROWS = 4
+_PIECE_ROWS = 4
 # Pixels of a piece (lib/hole_pieces.glsl) and invocations of a work group (lib/rows.glsl).
 _PIECE, _GROUP = 8, 64
 _HEADER_BYTES = 16  # of a list: three work-group counts and one count of pieces
@@ -74,7 +74,7 @@ def piece_list(gpu: Gpu, user: str, shown_size: tuple[int, int]) -> moderngl.Buf
     user: for the message. Errors: InputError where the indirect dispatch over all pieces would
     exceed the GL limit, and be dropped silently.
     """
-    pieces = -(-shown_size[0] // _PIECE) * -(-shown_size[1] // PIECE_ROWS)
+    pieces = -(-shown_size[0] // _PIECE) * -(-shown_size[1] // _PIECE_ROWS)
     most = gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]
     if -(-pieces * _PIECE // _GROUP) > most:
         wide, high = shown_size
@@ -107,7 +107,7 @@ class CompositeWarp(Warp):
         check_room(self.gpu, self.name, self.shown_size, KEY_BYTES)
         self._guesses = self.own(DepthGuesses(self.gpu, self.shown_size))
         self._pieces = self.own(piece_list(self.gpu, f"warp '{self.name}'", self.shown_size))
-        compute = partial(self.gpu.shaders.compute, f"warps/{self.name}.comp", ROWS=PIECE_ROWS)
+        compute = partial(self.gpu.shaders.compute, f"warps/{self.name}.comp", ROWS=_PIECE_ROWS)
         self._choose, self._first = (compute(grid="shown", PASS=k) for k in (0, 1))
         self._more = compute(PASS=2)
         self._stamp = 0
@@ -154,7 +154,7 @@ MOST_LAYERS = 4
 
 
 @attrs.frozen
-class LayeredSettings:
+class _LayeredSettings:
     layers: int = limited(3, 2, MOST_LAYERS, "depth layers, the visible one included")
 
 
@@ -164,7 +164,7 @@ class Layered(CompositeWarp):
 
     name = "layered"
     reads = ("rendered.colour", "rendered.inverse_depth", "rendered.peeled")
-    Settings = LayeredSettings
+    Settings = _LayeredSettings
 
     @classmethod
     def needs(cls, settings: Any) -> Needs:
@@ -189,7 +189,7 @@ _CHOSEN = "rendered.views"
 
 
 @attrs.frozen
-class MultiSettings:
+class _MultiSettings:
     """The pictures to use besides the newest."""
 
     frames: int = limited(2, 0, MOST_FRAMES, "past frames")  # Of the same eye.
@@ -206,7 +206,7 @@ class Multi(CompositeWarp):
 
     name = "multi"
     reads = ("rendered.colour", "rendered.inverse_depth", "rendered.others", _CHOSEN)
-    Settings = MultiSettings
+    Settings = _MultiSettings
     best = (2, "f4")
 
     @classmethod

@@ -22,10 +22,10 @@ from .window import Window
 from .window_system import Rectangle, Size, WindowView, start, viewports
 
 TITLE, NO_PANEL = "hmdwarp", f"no control panel: {PANEL_REMEDY}"
-MINIMISED_S = 0.1
+_MINIMISED_S = 0.1
 TITLE_NS = 250_000_000  # a title that changes more often is unreadable, and each change costs a round trip
 REMARK_NS = 4_000_000_000  # how long a remark stays
-CHECK_NS = 1_000_000_000  # between two checks of the rate of the screen that the window is on
+_CHECK_NS = 1_000_000_000  # between two checks of the rate of the screen that the window is on
 
 
 class DesktopDisplay(WindowView):
@@ -109,11 +109,11 @@ class DesktopDisplay(WindowView):
         self._input.read()
         self._window.check_open()
         if self._window.hidden:
-            self._window.wait_events(MINIMISED_S)
+            self._window.wait_events(_MINIMISED_S)
             self._pacer.pause()
             return None
         now = self.now_ns()
-        if now - self._checked_ns >= CHECK_NS:  # by now it may be on another screen
+        if now - self._checked_ns >= _CHECK_NS:  # by now it may be on another screen
             self._checked_ns = now
             if (rate_hz := self._window.rate_hz) != self._pacer.rate_hz:
                 self._pacer.set(rate_hz, self._window.vsync)

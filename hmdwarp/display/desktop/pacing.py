@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import deque
 from statistics import median
 
-REMEMBERED = 16  # refreshes; a change of scene or size is forgotten after a quarter of a second
+_REMEMBERED = 16  # refreshes; a change of scene or size is forgotten after a quarter of a second
 UNSYNCED = 8  # consecutive pictures faster than the screen, after which vsync counts as off
-TOO_FAST = 0.7  # of a period
+_TOO_FAST = 0.7  # of a period
 
 
 class Pacer:
@@ -20,8 +20,8 @@ class Pacer:
 
     def __init__(self, rate_hz: float, waits: bool) -> None:
         self._expected_ns = 0
-        self._intervals: deque[int] = deque(maxlen=REMEMBERED)
-        self._works: deque[int] = deque(maxlen=REMEMBERED)
+        self._intervals: deque[int] = deque(maxlen=_REMEMBERED)
+        self._works: deque[int] = deque(maxlen=_REMEMBERED)
         self.set(rate_hz, waits)
 
     def set(self, rate_hz: float, waits: bool) -> None:
@@ -48,7 +48,7 @@ class Pacer:
             self._intervals.append(interval)
             self._missed += max(0, round(interval / self.period_ns) - 1)
             if self.waits and not self.paced:
-                self._too_fast = self._too_fast + 1 if interval < TOO_FAST * self.period_ns else 0
+                self._too_fast = self._too_fast + 1 if interval < _TOO_FAST * self.period_ns else 0
                 self.paced = self._too_fast >= UNSYNCED
         self._last_ns = back_ns
 

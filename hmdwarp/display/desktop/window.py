@@ -16,11 +16,11 @@ from ...gpu import WANTED
 from .. import Closed
 from .window_system import ScreenHandle, Size, VideoMode, WindowHandle, last_error, window_size
 
-UNKNOWN_HZ = 60.0
-FALLBACK_ROOM = (1280, 800)  # free area where no screen reports its size
+_UNKNOWN_HZ = 60.0
+_FALLBACK_ROOM = (1280, 800)  # free area where no screen reports its size
 
 
-class WindowContext:
+class _WindowContext:
     """A window's context for moderngl, by glfw's loader, which belongs to the window."""
 
     def __init__(self, glfw: ModuleType, handle: WindowHandle) -> None:
@@ -29,7 +29,7 @@ class WindowContext:
     def load_opengl_function(self, name: str) -> int:
         return ctypes.cast(self._glfw.get_proc_address(name), ctypes.c_void_p).value or 0
 
-    def __enter__(self) -> WindowContext:
+    def __enter__(self) -> _WindowContext:
         self._glfw.make_context_current(self._handle)
         return self
 
@@ -66,7 +66,7 @@ class Window:
         self.framebuffer_size: Size = tuple(glfw.get_framebuffer_size(self.handle))
         glfw.focus_window(self.handle)
         # moderngl's annotation omits context objects, its manual does not
-        context: Any = WindowContext(glfw, self.handle)
+        context: Any = _WindowContext(glfw, self.handle)
         context.__enter__()  # current from now on
         self.vsync = vsync  # whether swaps wait for the screen
         glfw.swap_interval(1 if vsync else 0)
@@ -88,7 +88,7 @@ class Window:
     def rate_hz(self) -> float:
         """Refresh rate of its screen; 60 where unknown (virtual screens)."""
         _, mode = self._screen()
-        return float(mode.refresh_rate) if mode is not None and mode.refresh_rate > 0 else UNKNOWN_HZ
+        return float(mode.refresh_rate) if mode is not None and mode.refresh_rate > 0 else _UNKNOWN_HZ
 
     def _screen(self) -> tuple[ScreenHandle | None, VideoMode | None]:
         """Return the screen that it fills, or that most of it lies on, and its size and rate."""
@@ -138,7 +138,7 @@ class Window:
             self._place = (*glfw.get_window_pos(self.handle), *glfw.get_window_size(self.handle))
             glfw.set_window_monitor(self.handle, screen, 0, 0, mode.size.width, mode.size.height, mode.refresh_rate)
         elif not on and self.fills_screen:
-            glfw.set_window_monitor(self.handle, None, *(self._place or (0, 0, *FALLBACK_ROOM)), 0)
+            glfw.set_window_monitor(self.handle, None, *(self._place or (0, 0, *_FALLBACK_ROOM)), 0)
 
     def title(self, text: str) -> None:
         if text != self._title:
@@ -172,7 +172,7 @@ class Window:
 def _units(glfw: ModuleType, wanted: Size, column: int) -> Size:
     """Return (w, h) of a window for `wanted` pixels and a column, in units of any size (HiDPI)."""
     screen = glfw.get_primary_monitor()
-    room = glfw.get_monitor_workarea(screen)[2:] if screen else FALLBACK_ROOM
+    room = glfw.get_monitor_workarea(screen)[2:] if screen else _FALLBACK_ROOM
     content = (glfw.get_monitor_content_scale(screen)[0] if screen else 0.0) or 1.0
     # The free area is in pixels everywhere; a unit is a pixel under X11, and `content` of them
     # under Wayland.

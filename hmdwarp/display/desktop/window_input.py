@@ -29,7 +29,7 @@ MOVES = {
     glfw.KEY_E: (0, 1, 0),
     glfw.KEY_Q: (0, -1, 0),
 }
-STEPS_BACK = ("choice", "number")
+_STEPS_BACK = ("choice", "number")
 HELD = ("number", "step")  # repeat while their key is held
 FASTER = (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT)
 BUTTONS = {"left": glfw.MOUSE_BUTTON_LEFT, "middle": glfw.MOUSE_BUTTON_MIDDLE, "right": glfw.MOUSE_BUTTON_RIGHT}
@@ -64,7 +64,7 @@ class Keys:
         control, back = self._of_key[key]
         if not self.status.offers(control) or (action == glfw.REPEAT and control.kind not in HELD):
             return None
-        shifted = bool(mods & glfw.MOD_SHIFT) and not control.back and control.kind in STEPS_BACK
+        shifted = bool(mods & glfw.MOD_SHIFT) and not control.back and control.kind in _STEPS_BACK
         return Command(control.name, control.value, back=back or shifted)
 
     def command_of_button(self, button: int, action: int) -> Command | None:
@@ -92,7 +92,7 @@ class Keys:
         for control in (one for one in self.controls if one.what and self.status.offers(one)):
             keys = control.written or " ".join(label(key) for key in (control.back, control.key) if key)
             if not control.written and not control.back:
-                keys += " (shift: back)" if control.kind in STEPS_BACK else and_mouse(control) if moves else ""
+                keys += " (shift: back)" if control.kind in _STEPS_BACK else and_mouse(control) if moves else ""
             rows.append((keys, control.what))
         return "\n".join(f"{keys}\t{what}" for keys, what in rows)
 
@@ -115,7 +115,7 @@ def label(name: str) -> str:
     return printed.upper() if printed else name
 
 
-TURN_PER_UNIT = math.radians(0.1)  # of mouse motion: 900 units (of 0.1 mm or so) for a quarter turn
+_TURN_PER_UNIT = math.radians(0.1)  # of mouse motion: 900 units (of 0.1 mm or so) for a quarter turn
 
 # A position in the window's own units, from the top left, to (u, v) of the text panel; None
 # outside.
@@ -283,7 +283,7 @@ class WindowInput:
             return
         across, down = x - self._position[0], y - self._position[1]
         self._position = (x, y)
-        self._walker.turn(self._now_ns(), -across * TURN_PER_UNIT, -down * TURN_PER_UNIT)
+        self._walker.turn(self._now_ns(), -across * _TURN_PER_UNIT, -down * _TURN_PER_UNIT)
 
     def _focus(self, _: object, focused: int) -> None:
         if not focused:

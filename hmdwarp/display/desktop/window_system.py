@@ -68,7 +68,7 @@ def last_error(glfw: ModuleType) -> str:
 Size = tuple[int, int]
 Rectangle = tuple[int, int, int, int]
 
-FLAT_AREA_PX = 800 * 600
+_FLAT_AREA_PX = 800 * 600
 _LEAST_HEIGHT, _SHARE = 480, 0.9  # of a new window: readable pixels, and its share of the free area
 WHOLE = 8  # pictures of whole work groups, which also suit video encoders
 
@@ -89,7 +89,7 @@ def viewports(framebuffer: Size, count: int, aspect: float) -> tuple[Rectangle, 
 
 def flat_size(aspect: float) -> Size:
     """Return a size of that aspect with as many pixels as 800x600, in multiples of eight."""
-    width = math.sqrt(FLAT_AREA_PX * aspect)
+    width = math.sqrt(_FLAT_AREA_PX * aspect)
     return max(WHOLE, round(width / WHOLE) * WHOLE), max(WHOLE, round(width / aspect / WHOLE) * WHOLE)
 
 
@@ -111,7 +111,7 @@ BOTH, FLAT = "both", "flat"
 
 
 @attrs.frozen(eq=False)
-class OneEye:
+class _OneEye:
     name: str  # the headset whose field of view it has
     fov: Fov
 
@@ -137,7 +137,7 @@ class WindowView:
             raise InputError(f"--view '{view}': expected {BOTH} or {FLAT}")
         seen, (fov, flat_aspect) = self._emulated, self._emulated.flat_view
         is_flat = view == FLAT
-        self.eyes: Eyes = OneEye(seen.name, fov) if is_flat else seen
+        self.eyes: Eyes = _OneEye(seen.name, fov) if is_flat else seen
         self.headset = None if is_flat else seen  # whose lens is in front of it, None for a picture viewed without one
         self.count = 1 if is_flat else len(seen.eyes)  # how many eyes
         self.aspect = flat_aspect if is_flat else seen.aspect  # width over height of one picture as displayed

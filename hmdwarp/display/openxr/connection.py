@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 READY_S = 5.0  # for a new session to become ready; runtimes take fractions of a second
 IDLE_S = 0.01  # between two polls of a session that is not running
 SEEN = 4  # frames with should_render before the period counts as known (Monado reports 16 ms for up to two of them)
-UNSEEN_S = 1.0  # a headset that is not worn may never request a picture
+_UNSEEN_S = 1.0  # a headset that is not worn may never request a picture
 _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
 
 
@@ -100,7 +100,7 @@ class Connection:
         began, seen = time.monotonic(), 0
         while seen < SEEN or not eyes.known:
             waited = time.monotonic() - began
-            if eyes.known and waited > UNSEEN_S:
+            if eyes.known and waited > _UNSEEN_S:
                 return
             if waited > READY_S:
                 raise MachineError(
@@ -130,8 +130,8 @@ class Connection:
 SRGB8_A8, RGBA16F, RGBA8 = 0x8C43, 0x881A, 0x8058
 # The best first. The runtime reads all of them as linear light; only the first stores it encoded.
 COLOURS = {SRGB8_A8: "f1", RGBA16F: "f2", RGBA8: "f1"}
-DEPTH_32F, DEPTH_32F_STENCIL, DEPTH_24, DEPTH_24_STENCIL, DEPTH_16 = 0x8CAC, 0x8CAD, 0x81A6, 0x88F0, 0x81A5
-DEPTHS = (DEPTH_32F, DEPTH_32F_STENCIL, DEPTH_24, DEPTH_24_STENCIL, DEPTH_16)
+_DEPTH_32F, _DEPTH_32F_STENCIL, _DEPTH_24, _DEPTH_24_STENCIL, DEPTH_16 = 0x8CAC, 0x8CAD, 0x81A6, 0x88F0, 0x81A5
+DEPTHS = (_DEPTH_32F, _DEPTH_32F_STENCIL, _DEPTH_24, _DEPTH_24_STENCIL, DEPTH_16)
 
 _DRAWN = xr.SwapchainUsageFlags.COLOR_ATTACHMENT_BIT | xr.SwapchainUsageFlags.SAMPLED_BIT
 _DEPTH = xr.SwapchainUsageFlags.DEPTH_STENCIL_ATTACHMENT_BIT | xr.SwapchainUsageFlags.SAMPLED_BIT

@@ -16,15 +16,15 @@ from ...resources import install_line
 RUNTIME_LABEL = "the OpenXR runtime"  # named in plans as what corrects the lens and reads depth
 INSTALL = "Debian, Ubuntu: sudo apt-get install"
 A_BINDING = f"{INSTALL} libgl1, and {install_line('openxr')}"
-A_RUNTIME = (
+_A_RUNTIME = (
     "start the runtime that came with the headset and make it the active one there, "
     "or name its .json file in XR_RUNTIME_JSON"
 )
-A_HEADSET = "connect the headset, switch it on and wake it"
+_A_HEADSET = "connect the headset, switch it on and wake it"
 RESTART = "start, or restart, the runtime's service"
 ANOTHER = "use a runtime that has it (Monado has)"
 
-GRAPHICS_EXTENSIONS = (OPENGL_EXTENSION, EGL_EXTENSION) = ("XR_KHR_opengl_enable", "XR_MNDX_egl_enable")
+_GRAPHICS_EXTENSIONS = (OPENGL_EXTENSION, EGL_EXTENSION) = ("XR_KHR_opengl_enable", "XR_MNDX_egl_enable")
 CLOCK_EXTENSION = (
     "XR_KHR_win32_convert_performance_counter_time" if sys.platform == "win32" else "XR_KHR_convert_timespec_time"
 )
@@ -40,8 +40,8 @@ _STEPS = {
 # In the middle of a session.
 LOST = ("InstanceLostError", "SessionLostError", "SessionLossPending", "RuntimeFailureError")
 
-_NO_RUNTIME = ("no OpenXR runtime: {active}", A_RUNTIME)
-_NO_HEADSET = ("{name} sees no headset ({error})", A_HEADSET)
+_NO_RUNTIME = ("no OpenXR runtime: {active}", _A_RUNTIME)
+_NO_HEADSET = ("{name} sees no headset ({error})", _A_HEADSET)
 _ON_ITS_GPU = "draw on the GPU that the headset is plugged into"
 _NO_GRAPHICS = ("{name} refuses this OpenGL context ({error}: {why})", _ON_ITS_GPU)
 _KNOWN = {
@@ -81,7 +81,7 @@ def diagnose(
 
 def missing_extensions(name: str, extensions: list[str]) -> tuple[str, str]:
     """Return what extensions the runtime lacks, and what to do."""
-    missing = [] if set(GRAPHICS_EXTENSIONS) & set(extensions) else [" or ".join(GRAPHICS_EXTENSIONS)]
+    missing = [] if set(_GRAPHICS_EXTENSIONS) & set(extensions) else [" or ".join(_GRAPHICS_EXTENSIONS)]
     missing += [] if CLOCK_EXTENSION in extensions else [CLOCK_EXTENSION]
     return (f"{name} lacks {' and '.join(missing)}", ANOTHER) if missing else ("", "")
 

@@ -18,7 +18,7 @@ TITLE_NS = 250_000_000
 PERIOD_NS = 30_000_000  # the headset has priority; every second or third picture is enough for the window
 # Its keys can quit. A runtime recentres the head and corrects the lens itself, and has only one
 # view.
-QUIT = "quit"
+_QUIT = "quit"
 ELSEWHERE = ("recentre", "panel", "lens", "view")
 
 
@@ -46,7 +46,7 @@ class Mirror:
             self._help = not self._help
         elif command.control == "full_screen":
             self._window.fill_screen(not self._window.fills_screen)
-        elif command.control == QUIT:
+        elif command.control == _QUIT:
             self._window.end()
         else:
             self._commands.append(command)

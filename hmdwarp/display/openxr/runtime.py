@@ -88,9 +88,9 @@ def _name_of(result: int) -> str:
 
 DEPTH_EXTENSION = "XR_KHR_composition_layer_depth"
 FLOOR_EXTENSION = "XR_EXT_local_floor"
-MASK_EXTENSION = "XR_KHR_visibility_mask"
-USED = (OPENGL_EXTENSION, EGL_EXTENSION, CLOCK_EXTENSION, DEPTH_EXTENSION, FLOOR_EXTENSION, MASK_EXTENSION)
-NS = 1_000_000_000
+_MASK_EXTENSION = "XR_KHR_visibility_mask"
+_USED = (OPENGL_EXTENSION, EGL_EXTENSION, CLOCK_EXTENSION, DEPTH_EXTENSION, FLOOR_EXTENSION, _MASK_EXTENSION)
+_NS = 1_000_000_000
 
 
 @attrs.define(eq=False)
@@ -129,7 +129,7 @@ def open_instance(calls: Calls) -> Instance:
     words, remedy = missing_extensions(calls.name, offered)
     if words:
         raise MachineError(f"{words}: {remedy}")
-    on = [name for name in USED if name in offered]
+    on = [name for name in _USED if name in offered]
     calls.stage = "instance"
     application = xr.ApplicationInfo(
         application_name="hmdwarp", engine_name=f"hmdwarp {__version__}", api_version=xr.Version(1, 0, 0)
@@ -157,7 +157,7 @@ def open_instance(calls: Calls) -> Instance:
 def _stamped(now_ns: int) -> ctypes.Structure | ctypes.c_int64:
     """Return an instant of time.monotonic_ns, which has just been read, as the runtime takes it."""
     if sys.platform != "win32":
-        stamp: ctypes.Structure = xr.timespec(*divmod(now_ns, NS))
+        stamp: ctypes.Structure = xr.timespec(*divmod(now_ns, _NS))
         return stamp
     ticks = ctypes.c_int64()
     ctypes.CDLL("kernel32.dll").QueryPerformanceCounter(ctypes.byref(ticks))
@@ -246,7 +246,7 @@ def hidden_triangles(calls: Calls, instance: Instance, session: xr.Session, eye:
 
     Source: OpenXR 1.0, XR_KHR_visibility_mask: vertices lie on the plane z = -1.
     """
-    if MASK_EXTENSION not in instance.extensions:
+    if _MASK_EXTENSION not in instance.extensions:
         return ()
     pointer = calls.call_once(xr.get_instance_proc_addr, instance.handle, "xrGetVisibilityMaskKHR")
     ask, mask = ctypes.cast(pointer, xr.PFN_xrGetVisibilityMaskKHR), xr.VisibilityMaskKHR()

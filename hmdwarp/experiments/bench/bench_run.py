@@ -70,8 +70,8 @@ from .options import DEFAULT_SIZES, BenchOptions, MergeOptions
 from .suite_means import suite_entry
 from .suites import suites
 
-OUTSIDE_LACKS = "it is another library's, run on the CPU to compare with"
-ORACLE_LACKS = "it knows the depth of the truth, which no client has"
+_OUTSIDE_LACKS = "it is another library's, run on the CPU to compare with"
+_ORACLE_LACKS = "it knows the depth of the truth, which no client has"
 Row = Mapping[str, Any]
 # What a notebook shows of each row.
 _SHOWN = ("trace", "scene", "latency_ms", "strategy", "warp", "fill", "flip", "psnr_db", "ssim", "total_ms")
@@ -91,7 +91,7 @@ def row_of(
     pictures = [{"frame": key[3], **figures[key]} for key in measured.keys]
     passes = combination.warp, combination.fill, combination.plan.lens.name
     base = summary_of_rows(setup, passes, [*measured.times, *pictures])
-    lacks = ORACLE_LACKS if combination.warp == measuring.ORACLE else OUTSIDE_LACKS
+    lacks = _ORACLE_LACKS if combination.warp == measuring.ORACLE else _OUTSIDE_LACKS
     return {
         **base,
         "latency_ms": case.latency_ms,  # of the whole way, with a proxy too
@@ -135,7 +135,7 @@ class Rows(list[dict[str, Any]]):
         return frame.astype({name: kinds[COLUMNS[name].kind] for name in NAMES if COLUMNS[name].is_number})
 
 
-def left_out_notes(rows: Sequence[Row], client: Client) -> list[str]:
+def _left_out_notes(rows: Sequence[Row], client: Client) -> list[str]:
     """Return which rows of bench.json the front leaves out."""
     rows = [row for row in rows if row["warp"] != measuring.ORACLE]
     lacking = [row for row in rows if row["lacks"]]
@@ -147,8 +147,8 @@ def left_out_notes(rows: Sequence[Row], client: Client) -> list[str]:
 
 
 ROWS, CROPS = "rows", "crops.npz"
-MOST_METHODS = 5  # side by side
-MOST_CROPS = 3  # cases of a page that have crops: a megabyte each
+_MOST_METHODS = 5  # side by side
+_MOST_CROPS = 3  # cases of a page that have crops: a megabyte each
 
 
 @functools.cache
@@ -180,7 +180,7 @@ def _most_bytes(gpu: Gpu) -> float:
     return measuring.MEMORY_PART * memory_bytes() if gpu.is_software else measuring.GPU_BATCH_BYTES
 
 
-def run_case(threads: MeasuringThreads, case: SweepCase, step: Callable[[float], None]) -> Result:
+def _run_case(threads: MeasuringThreads, case: SweepCase, step: Callable[[float], None]) -> Result:
     """Time and measure all combinations of a case; return the machine and ROWS."""
     work: BenchCase = prepared(case.what)
     options, client, pool = work.options, load_client(work.options.client), QualityPool(threads)
@@ -212,7 +212,7 @@ def _crops(
     """Show the best of each of the first warps again: at the worst instant and a typical one."""
     (case,), made_by = cases(row for _, row in rows), {id(row): c for c, row in rows}
     ranked = [row for row in case.ordered() if row["quality"][PRIMARY]["mean"] is not None]
-    warps = [*dict.fromkeys(row["warp"] for row in ranked)][:MOST_METHODS]
+    warps = [*dict.fromkeys(row["warp"] for row in ranked)][:_MOST_METHODS]
     best = [next(row for row in ranked if row["warp"] == warp) for warp in warps]
     flips = sorted((flip, int(number)) for row in best[:1] for number, flip in row["at_instants"][PRIMARY].items())
     numbers = {"worst": flips[-1][1], "typical": flips[(len(flips) - 1) // 2][1]} if flips else {}
@@ -359,7 +359,7 @@ def bench(
     if options.suite:
         pictures = sum(case.instants * len(case.combinations) for case in works)
         say(f"suite {options.suite} {suites()[options.suite].version}: {len(works)} cases, {pictures} pictures")
-    work = Measuring(run_case, options.sweep.measuring(options.workers))
+    work = Measuring(_run_case, options.sweep.measuring(options.workers))
     with experiment(options, FILES, work, list(map(_case, works)), progress, say) as (out, swept, described):
         rows = swept.rows(lambda result: result.get(ROWS, ()))
         first = next(result for _, result in swept.results())
@@ -370,14 +370,14 @@ def bench(
                 "client": client.name,
                 "notes": [
                     *notes,
-                    *left_out_notes(rows, client),
+                    *_left_out_notes(rows, client),
                     *(f"{failure.name}: failed: {failure.why}" for failure in swept.failed),
                 ],
                 "rows": rows,
                 **suite_entry(options.suite, rows, [about_sequence(part) for part in parts if part.frames is not None]),
             }
         )
-        files = (swept.kept.file(case.identity, CROPS) for case in itertools.islice(swept.done, MOST_CROPS))
+        files = (swept.kept.file(case.identity, CROPS) for case in itertools.islice(swept.done, _MOST_CROPS))
         write_bench(out, data, options, [unpacked(path.read_bytes()) if path.exists() else [] for path in files])
     return ExperimentResult(options.out, data, options.out / "bench.html", swept, OF_NOTEBOOK)
 

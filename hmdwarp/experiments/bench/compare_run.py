@@ -118,11 +118,11 @@ def compare(
 
 
 def _case(run: RunOptions, clients: Sequence[str]) -> SweepCase:
-    front = ", ".join(filter(None, (run.trace, f"{run.total_latency_ms:g} ms", run.scene, over_text(run.network))))
-    return SweepCase.of("compare", f"{run.strategy}, {front}", ComparePart(run, tuple(clients)), group=front)
+    front = ", ".join(filter(None, (run.trace, f"{run.total_latency_ms:g} ms", run.scene, _over_text(run.network))))
+    return SweepCase.of("compare", f"{run.strategy}, {front}", _ComparePart(run, tuple(clients)), group=front)
 
 
-def over_text(network: LinkOptions) -> str:
+def _over_text(network: LinkOptions) -> str:
     """Return the bandwidth and loss of a link in words, "" without either."""
     rate, loss = network.bandwidth, network.loss
     words = [] if rate is None else [f"{rate.mbit:g} Mbit/s"]
@@ -196,7 +196,7 @@ SHOWN, TRUTH = "shown.png", "truth.png"
 
 
 @attrs.frozen
-class ComparePart:
+class _ComparePart:
     """What one case runs."""
 
     run: RunOptions
@@ -214,7 +214,7 @@ def pictures_of(kept: KeptCases, case: SweepCase) -> tuple[Picture, Picture]:
 
 def _run_part(threads: MeasuringThreads, case: SweepCase, step: Callable[[float], None]) -> Result:
     """Run one strategy; its pictures are kept with its row."""
-    part: ComparePart = case.what
+    part: _ComparePart = case.what
     clients = [load_client(name) for name in part.clients]
     try:
         result = measured(part.run, threads=threads)
@@ -235,7 +235,7 @@ def _row(run: RunOptions, result: Measured, clients: Sequence[Client]) -> dict[s
         "machine": {**summary["machine"], "host": platform.node()},
         "latency_ms": run.total_latency_ms,
         "client_motion": run.client_motion,
-        "over": over_text(run.network),
+        "over": _over_text(run.network),
         "at_instants": {
             name: {str(frame): value for frame, value in at_instants(result.rows, name).items()} for name in MEASURES
         },

@@ -19,7 +19,7 @@ Row = Mapping[str, Any]
 Method = tuple[str, str]
 MEASURES = ("flip", "psnr_db")
 # Of two, Student's t makes an interval 12.7 deviations wide each way, which says nothing.
-LEAST_CLUSTERS = 3
+_LEAST_CLUSTERS = 3
 # Draws of heads and scenes: the ends of a 95 % interval then hold to 1.4 % of all draws (two
 # standard errors of a share of 2.5 % in 500).
 _DRAWS = 500
@@ -78,7 +78,7 @@ def _of_latency(latency_ms: float, methods: Mapping[Method, list[Row]]) -> list[
 
 
 def _entry(group: Sequence[Row], best_of: Mapping[tuple[str, str], float]) -> dict[str, Any]:
-    clusters = Clusters.of(map(_case, group))
+    clusters = _Clusters.of(map(_case, group))
     entry: dict[str, Any] = {"heads": len(set(clusters.heads)), "scenes": len(set(clusters.scenes))}
     entry |= {name: clusters.mean(_values(group, name)) | clusters.tail(group, name) for name in MEASURES}
     halves = {half: [row for row in group if half_of(*_case(row)) == half] for half in (FIT, HELD_OUT)}
@@ -89,7 +89,7 @@ def _entry(group: Sequence[Row], best_of: Mapping[tuple[str, str], float]) -> di
     both = [
         (_case(row), flip) for row, flip in zip(group, _values(group, PRIMARY), strict=True) if _case(row) in best_of
     ]
-    entry["behind"] = Clusters.of(case for case, _ in both).mean([flip - best_of[case] for case, flip in both])
+    entry["behind"] = _Clusters.of(case for case, _ in both).mean([flip - best_of[case] for case, flip in both])
     seen = [row["where_seen"]["psnr_db"] for row in group if "where_seen" in row]
     entry["where_seen_db"] = clusters.mean(seen) if len(seen) == len(group) else None
     return entry
@@ -112,21 +112,21 @@ def _mean(values: Sequence[float]) -> float:
 
 
 @attrs.frozen(slots=False)
-class Clusters:
+class _Clusters:
     """Cases that share heads and scenes, one of each for each case."""
 
     heads: tuple[str, ...]
     scenes: tuple[str, ...]
 
     @classmethod
-    def of(cls, cases: Iterable[tuple[str, str]]) -> Clusters:
+    def of(cls, cases: Iterable[tuple[str, str]]) -> _Clusters:
         """Return the clusters of cases, given as (head, scene)."""
         return cls(*zip(*cases, strict=True))
 
     @property
     def are_few(self) -> bool:
         """Whether there are too few heads or scenes to say how sure a figure is."""
-        return min(len(set(self.heads)), len(set(self.scenes))) < LEAST_CLUSTERS
+        return min(len(set(self.heads)), len(set(self.scenes))) < _LEAST_CLUSTERS
 
     @cached_property
     def draws(self) -> NDArray[Any]:
@@ -170,7 +170,7 @@ def ranks_of(methods: Mapping[Method, Sequence[Row]]) -> dict[Method, dict[str, 
 
     found = [_by_case(group) for group in methods.values()]
     cases = [case for case in found[0] if all(case in each for each in found)]
-    if not cases or (clusters := Clusters.of(cases)).are_few:
+    if not cases or (clusters := _Clusters.of(cases)).are_few:
         return {}
     values = np.array([[each[case] for case in cases] for each in found])
     ranks = rankdata(clusters.draws @ values.T, method="min", axis=1)
@@ -192,7 +192,7 @@ def clustered_interval(
     """
     kinds: tuple[Sequence[object], ...] = (heads, scenes, range(len(values)))
     counts = [len(set(kind)) for kind in kinds]
-    if min(counts) < LEAST_CLUSTERS:
+    if min(counts) < _LEAST_CLUSTERS:
         return None
     from scipy.special import stdtrit
 

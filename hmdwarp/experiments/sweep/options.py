@@ -20,7 +20,7 @@ from ...sources.sequences.options import SequenceOptions
 LOCAL = r"local:([1-9][0-9]{0,2})"
 _ADDRESS = r"([a-z]+://[^\s/]+|(?!local:)[^\s/:]+):[1-9][0-9]*"
 # In place of a recording: the head of the camera whose frames are used.
-OWN_HEAD = ""
+_OWN_HEAD = ""
 _OF_EVERY_RUN = (
     *("scene_options", "sequence_options", "trace_options", "samples", "client_motion", "input"),
     *("headset", "rate_hz", "seconds", "jod_s"),
@@ -106,7 +106,7 @@ class RecordedOptions(ExperimentOptions):
         for decided in (option_of(field) for field in attrs.fields(cls) if field.name in taken):
             if said.get(decided.name) not in (None, decided.default):
                 raise InputError(f"{decided.flag} with --frames: {cls.why_not}; leave it out")
-        return {**values, "recordings": (OWN_HEAD,)}
+        return {**values, "recordings": (_OWN_HEAD,)}
 
     def of_run(self, *names: str) -> dict[str, Any]:
         """Return the fields that each run takes as they are; names: further ones."""

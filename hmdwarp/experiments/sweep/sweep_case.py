@@ -237,7 +237,7 @@ class Measuring:
             yield partial(self.run, threads)
 
 
-def run_group(runner: Runner, cases: Sequence[SweepCase], step: Step) -> Iterator[tuple[SweepCase, Result | Failure]]:
+def _run_group(runner: Runner, cases: Sequence[SweepCase], step: Step) -> Iterator[tuple[SweepCase, Result | Failure]]:
     """Run cases of one group; yield each as it is done, those that failed with the reason."""
     for case in cases:
         try:
@@ -247,7 +247,7 @@ def run_group(runner: Runner, cases: Sequence[SweepCase], step: Step) -> Iterato
         yield case, outcome
 
 
-def groups_of(cases: Sequence[SweepCase]) -> list[list[SweepCase]]:
+def _groups_of(cases: Sequence[SweepCase]) -> list[list[SweepCase]]:
     """Return cases that follow each other in one group together; each without a group by itself."""
     return [list(group) for _, group in itertools.groupby(cases, key=lambda case: case.group or case.identity)]
 
@@ -270,7 +270,7 @@ def run_on_cluster(work: Work, cases: Sequence[SweepCase], cluster: str, say: Sa
             log.handlers, log.propagate = [logging.NullHandler()], False
     with _connected(distributed, cluster, say) as client:
         sent: dict[Any, list[SweepCase]] = {}  # what is under way
-        token, waiting = uuid.uuid4().hex[:8], deque(groups_of(cases))
+        token, waiting = uuid.uuid4().hex[:8], deque(_groups_of(cases))
 
         def send() -> Any:
             group = waiting.popleft()
@@ -316,7 +316,7 @@ def run_here(work: Work, cases: Sequence[SweepCase], program: str, folder: Path)
         if apart := [case.name for case in cases if not case.is_here]:
             why = "has not the same files under the names of"
             raise MachineError(f"worker {get_worker().name} {why} {apart[0]}: share their folder with all machines")
-        return [(case.identity, outcome) for case, outcome in run_group(runner, cases, lambda share: None)]
+        return [(case.identity, outcome) for case, outcome in _run_group(runner, cases, lambda share: None)]
 
 
 def _outcomes(distributed: Any, future: Any, group: Sequence[SweepCase], cluster: str) -> Iterator[Outcome]:
@@ -514,8 +514,8 @@ def outcomes(
 
     def here() -> Iterator[Outcome]:
         with contexts_kept(), work.opened() as runner:
-            for group in groups_of(cases):
-                yield from run_group(runner, group, within)
+            for group in _groups_of(cases):
+                yield from _run_group(runner, group, within)
 
     show(done)
     if not cases:

@@ -27,14 +27,14 @@ from ..sweep.options import ExperimentOptions, own_first
 SPEEDS_M_S = (0.25, 0.5, 1.0)
 SPEEDS_DEG_S = (30.0, 60.0, 113.0)
 LATENCIES_MS = (200.0, 400.0, 600.0)
-RATED_MS = (200.0, 400.0, 800.0)  # of the ratings
+_RATED_MS = (200.0, 400.0, 800.0)  # of the ratings
 FULL_SIZE = (1280, 800)
 ROTATE = "rotate"
 KINDS = ("forward", ROTATE, "sideways", "backward")
 RATE_HZ = 60.0
 # All latencies show the same instants, at which the head has moved at full speed for the longest of
 # them: between the ease at the start and the turn. 1.2 m of `room` are free at 1 m/s.
-ONE_WAY_S, TRACE_S = 1.2, 2.0
+_ONE_WAY_S, TRACE_S = 1.2, 2.0
 
 
 @attrs.frozen
@@ -51,7 +51,7 @@ class Motion:
     @property
     def amplitude(self) -> float:
         """How far it goes before it turns back, in m or degrees."""
-        return self.speed * ONE_WAY_S
+        return self.speed * _ONE_WAY_S
 
 
 def motions(*kinds: str) -> tuple[Motion, ...]:
@@ -151,7 +151,7 @@ class RatingsRun:
 
 
 @attrs.frozen(kw_only=True)
-class FactRun:
+class _FactRun:
     """A number of this program that the thesis has too: see FACTS of run_figures."""
 
     fact: str
@@ -160,7 +160,7 @@ class FactRun:
         return f"fact {self.fact}"
 
 
-Run = PictureRun | StreamRun | RatingsRun | FactRun
+Run = PictureRun | StreamRun | RatingsRun | _FactRun
 Figures = dict[str, float | None]
 
 
@@ -385,7 +385,7 @@ def _cells(table: Table, number: str) -> Iterator[Cell]:
         return
     if "parts" in table:
         for part in table["parts"]:
-            runs = [RatingsRun(part=part, latency_ms=latency_ms) for latency_ms in RATED_MS]
+            runs = [RatingsRun(part=part, latency_ms=latency_ms) for latency_ms in _RATED_MS]
             each = {table["column"]: runs} if "column" in table else {f"{run.latency_ms:g} ms": [run] for run in runs}
             yield from (Cell(part, column, tuple(found), number) for column, found in each.items())
         return
@@ -410,13 +410,13 @@ def _run(table: Table, **more: Any) -> Any:
     """Return the run of a table: a fact's, a stream's, or one of pictures."""
     values: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in table.items()}
     if "fact" in values:
-        return FactRun(**values)
+        return _FactRun(**values)
     return StreamRun(**values) if "codec" in values else PictureRun(**{**values, **more})
 
 
 _RUN = attrs.fields(RunOptions)
 QUICK_SCALE = 1 / 8
-QUICK_SIZE = (160, 100)
+_QUICK_SIZE = (160, 100)
 
 
 @attrs.frozen(kw_only=True, field_transformer=own_first)
@@ -448,4 +448,4 @@ class ThesisOptions(ExperimentOptions):
     @property
     def eye_size(self) -> tuple[int, int]:
         """Pixels of one eye."""
-        return self.size or (QUICK_SIZE if self.quick else FULL_SIZE)
+        return self.size or (_QUICK_SIZE if self.quick else FULL_SIZE)

@@ -117,7 +117,7 @@ HEADSET = "flat-90"
 _COMMON: dict[str, Any] = {"headset": HEADSET, "rate_hz": RATE_HZ, "samples": 1}
 _COMMON |= {"fill": "none", "lens": "none", "against": ""}
 # By the wall clock a shorter pass is mostly the driver's overhead.
-LEAST_WALL_MS = 1.0
+_LEAST_WALL_MS = 1.0
 # Of a side of the least picture: what its passes take is the GPU's overhead.
 SPECK_PX = 8
 Picture = NDArray[np.uint8]
@@ -277,7 +277,7 @@ class _Watcher:
             figures[name] = fmean(known) if known else None
         for stage in dict.fromkeys(itertools.chain.from_iterable(self._times)):
             found = median(times.get(stage, 0.0) for times in self._times)
-            can_tell = self._setup.target.gpu.timer.clock == "gpu" or found >= LEAST_WALL_MS
+            can_tell = self._setup.target.gpu.timer.clock == "gpu" or found >= _LEAST_WALL_MS
             figures[f"{stage}_ms"] = found if can_tell else None
         width, height = self._setup.sizes.shown
         figures["pixels"] = float(width * height)

@@ -21,7 +21,7 @@ from .run_figures import FACTS, SPECK_PX, Looked, Thoroughness, beyond, look, st
 
 COLUMNS = ("experiment", "source", "row", "column", "measured", "value", "unit", "holds", "rule", "verdict")
 PAGE, TABLE, DATA = FILES = ("thesis.html", "results.csv", "results.json")
-PAGE_WIDTH = 560
+_PAGE_WIDTH = 560
 PICTURE, TRUTH, TIMELINE = "shown.jpg", "truth.jpg", "timeline.svg"
 # What the figures depend on besides what draws and measures pictures; the rules that judge them do
 # not count.
@@ -76,7 +76,7 @@ def run_thesis(
 
 
 @attrs.frozen
-class ThesisPart:
+class _ThesisPart:
     """What one case runs."""
 
     run: thesis.Run
@@ -92,7 +92,7 @@ def cases_of(runs: Sequence[thesis.Run], pictured: set[thesis.Run], how: Thoroug
         also, group = ("study/",) if isinstance(run, thesis.RatingsRun) else _ALSO, ""
         if isinstance(run, thesis.PictureRun):  # what is timed is compared with each other
             group = "timed" if run.timed else repr(run.shared)
-        cases.append(SweepCase.of("thesis", str(run), ThesisPart(run, how, run in pictured), also, group=group))
+        cases.append(SweepCase.of("thesis", str(run), _ThesisPart(run, how, run in pictured), also, group=group))
     places: dict[Any, int] = {}
     for case in cases:
         for key in (case.group, _frames(case.what.run)):
@@ -133,7 +133,7 @@ class ThesisWork:
             return looked[run]
 
         def runner(case: SweepCase, step: Callable[[float], None]) -> Result:
-            part: ThesisPart = case.what
+            part: _ThesisPart = case.what
             run, files = part.run, dict[str, bytes]()
             about = {key: examined()[0][key] for key in ("machine", "clock")}
             if isinstance(run, thesis.PictureRun):
@@ -216,7 +216,7 @@ def _pictures(chosen: Sequence[thesis.Experiment], swept: Swept) -> dict[str, li
 
     def uri(run: thesis.Run, name: str) -> str:
         picture = Image.open(file(run, name))
-        picture.thumbnail((PAGE_WIDTH, PAGE_WIDTH), Image.Resampling.LANCZOS)
+        picture.thumbnail((_PAGE_WIDTH, _PAGE_WIDTH), Image.Resampling.LANCZOS)
         return f"data:image/jpeg;base64,{base64.b64encode(jpeg_bytes(np.asarray(picture))).decode()}"
 
     found: dict[str, list[tuple[str, str]]] = {}

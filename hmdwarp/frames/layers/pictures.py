@@ -318,7 +318,7 @@ class FoveatedPicture:
         return (self.texture,)
 
 
-class FoveatedLayer(Layer):
+class _FoveatedLayer(Layer):
     """A FoveatedPicture. The amount is the Fovea."""
 
     size_class = OWN
@@ -355,7 +355,7 @@ class FoveatedLayer(Layer):
 
 
 @layers.register
-class Foveated(FoveatedLayer):
+class Foveated(_FoveatedLayer):
     """Its colour: the mean of the covered pixels that one of the rim holds."""
 
     name = "foveated"
@@ -364,7 +364,7 @@ class Foveated(FoveatedLayer):
 
 
 @layers.register
-class FoveatedDepth(FoveatedLayer):
+class FoveatedDepth(_FoveatedLayer):
     """In 1/m: of the pixels that one of the rim holds, the mean over their nearest surface."""
 
     name = "foveated_depth"

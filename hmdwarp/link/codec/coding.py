@@ -8,7 +8,7 @@ from ...errors import InputError
 from ...options import Declared, names_in, one_of, option
 
 # m/s. Heads that walk: of 1000 instants of the recording `walk`, one is faster than 0.94.
-HEAD_M_S = 1.0
+_HEAD_M_S = 1.0
 # Pixels by which parallax may be wrong, either way.
 PARALLAX_PIXELS = 1 / 16
 # 1/m. Coarser steps than the first would part planes that the warps join (0.03 of inverse depth and
@@ -23,13 +23,13 @@ def depth_step(pixels_per_tangent: float, age_s: float) -> float:
     across the line of sight, the same for every pixel of the picture. The way is what a walking
     head covers while a frame ages; rounding is wrong by half a step. Within COARSEST and FINEST.
     """
-    way_px = pixels_per_tangent * HEAD_M_S * age_s
+    way_px = pixels_per_tangent * _HEAD_M_S * age_s
     return min(COARSEST, max(FINEST, 2 * PARALLAX_PIXELS / way_px if way_px > 0 else COARSEST))
 
 
 # Codes of depth: without loss at fixed steps, at steps of a sixteenth of a pixel, or as video of 10
 # or of 8 bits.
-EXACT, SIXTEENTH, AS_VIDEO, AS_VIDEO8 = DEPTH_CODES = ("exact", "sixteenth", "video", "video8")
+EXACT, _SIXTEENTH, AS_VIDEO, AS_VIDEO8 = DEPTH_CODES = ("exact", "sixteenth", "video", "video8")
 
 
 # For browsers, the best first: by bytes at an equal quality, see docs/results-link.md.

@@ -91,7 +91,7 @@ def _checked(inverse_depth: NDArray[np.float32]) -> tuple[NDArray[np.float32], f
 
 
 @attrs.frozen(eq=False)
-class DepthVideo:
+class _DepthVideo:
     """How codes of depth become a picture of a video."""
 
     codec: Codec
@@ -163,12 +163,12 @@ def _codec(bits: str, qp: int) -> Codec:
 # Of 63: the stream weighs about as much as colour at its codec's own quality. On average
 # a pixel is off by half a step (walk, 320x400) to nine tenths of one (look-around, 640x800); 3 to
 # 10 in a hundred are by more than two.
-_TEN_BITS = DepthVideo(_codec("10-bit", 22), "gray10le", 1023)
+_TEN_BITS = _DepthVideo(_codec("10-bit", 22), "gray10le", 1023)
 # What headsets and browsers decode in hardware: 8 bits, 4:2:0, all chroma in the middle. At 10 of
 # 51 it weighs what the one of 10 bits does, and warped pictures are within 0.03 dB of those by
 # exact depth (room: walk and sideways, 200 ms, 320x400). A bend of 3 costs `walk` 0.04 dB, of 20
 # only bits; at 14 of 51 it is a quarter lighter for 0.05 dB.
-_EIGHT_BITS = DepthVideo(_codec("8-bit", 10), "yuv420p", 255, most_bend=8.0)
+_EIGHT_BITS = _DepthVideo(_codec("8-bit", 10), "yuv420p", 255, most_bend=8.0)
 DEPTH_VIDEOS = {AS_VIDEO: _TEN_BITS, AS_VIDEO8: _EIGHT_BITS}
 # CRC-32 of everything after it, step, nearest inverse depth, bytes of the map, which follows; then
 # the video. Beside a picture that is no key frame, the map is XORed with the one before: a
@@ -185,7 +185,7 @@ class DepthVideoEncoder:
     Errors: MachineError as VideoEncoder.
     """
 
-    def __init__(self, size: Size, rate_hz: float, step: float, how: DepthVideo = _TEN_BITS) -> None:
+    def __init__(self, size: Size, rate_hz: float, step: float, how: _DepthVideo = _TEN_BITS) -> None:
         self._size, self._step, self._how = size, step / _FINER, how
         self._video = VideoEncoder(how.codec, size, rate_hz, how.format, {})
         self._grey = None if how is _EIGHT_BITS else _GreyEncoder(size, "depth")
@@ -222,7 +222,7 @@ class DepthVideoDecoder:
     They must come in the order of encoding; some may be missing.
     """
 
-    def __init__(self, size: Size, how: DepthVideo = _TEN_BITS) -> None:
+    def __init__(self, size: Size, how: _DepthVideo = _TEN_BITS) -> None:
         self._size, self._how = size, how
         self._video = VideoDecoder(how.codec, size, "depth")
         self._grey = None if how is _EIGHT_BITS else _GreyDecoder(size, "depth")

@@ -45,7 +45,7 @@ _FROM = (1, *range(2 + 2 * _COUNT, 2 + 3 * _COUNT), *range(2 + _COUNT, 2 + 2 * _
 _TO = (0, *range(2 + _COUNT, 2 + 2 * _COUNT), *range(2, 2 + _COUNT))
 
 
-def turns_ns(ahead_ns: int) -> float:
+def _turns_ns(ahead_ns: int) -> float:
     """Return how long the full speed would last to turn as far as the fading one does."""
     return -FADES_NS * float(np.expm1(-ahead_ns / FADES_NS))
 
@@ -100,7 +100,7 @@ def cautious(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> 
     known = np.array([times[-1] - back >= times[begin] for back in _BACK_NS])
     p, q = np.array([heads[back][0] for back in _BACK_NS]), [heads[back][1] for back in _BACK_NS]
     turned = np.array([quaternions.turn(q[a], q[b]) for a, b in zip(_FROM, _TO, strict=True)])
-    turn = turns_ns(ahead_ns) / WINDOW_NS * _trusted(turned, known)
+    turn = _turns_ns(ahead_ns) / WINDOW_NS * _trusted(turned, known)
     moved = min(ahead_ns, MOVES_NS) / WINDOW_NS * _trusted(p[_TO, :] - p[_FROM, :], known)
     pose = trusted_pose(p[0] + moved, quaternions.turned(q[0], turn.tolist()))
     return PoseSample(target_ns, pose, Origin.PREDICTED)
@@ -129,7 +129,7 @@ def _cautious_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -
     known = (runs == runs[0]) & (instants >= track.start_ns)
     turned = _trusted(quaternions.vector_between(q[_FROM, :], q[_TO, :]), known)
     moved = min(ahead_ns, MOVES_NS) / WINDOW_NS * _trusted(p[_TO, :] - p[_FROM, :], known)
-    turn = quaternions.from_rotation_vector(turns_ns(ahead_ns) / WINDOW_NS * turned)
+    turn = quaternions.from_rotation_vector(_turns_ns(ahead_ns) / WINDOW_NS * turned)
     predicted = np.full(len(now_ns), Origin.PREDICTED, np.int8)
     return Samples(now_ns + ahead_ns, p[0] + moved, quaternions.multiply(turn, q[0]), predicted)
 

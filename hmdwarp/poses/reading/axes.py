@@ -58,7 +58,7 @@ class Axes:
 
     def words(self) -> str:
         bases = ((basis[0], basis[1], -basis[2]) for basis in (self.world, self.head))
-        world, head = (",".join(map(axis_word, rows)) for rows in bases)
+        world, head = (",".join(map(_axis_word, rows)) for rows in bases)
         return f"world={world} head={head}"
 
     def label(self) -> str:
@@ -66,7 +66,7 @@ class Axes:
 
     def up(self) -> str:
         """Return the world's up as an axis of the file, for instance "z"."""
-        return axis_word(self.world[1])
+        return _axis_word(self.world[1])
 
     def apply(self, position: Array | None, orientation: Array) -> None:
         """Convert positions (n, 3) and quaternions (n, 4), in place.
@@ -166,7 +166,7 @@ def _basis(words: str) -> Array:
     return basis
 
 
-def axis_word(direction: Array) -> str:
+def _axis_word(direction: Array) -> str:
     """Return the axis that a direction (3,) points along most, such as "-z"."""
     k = int(np.abs(direction).argmax())
     return ("-" if direction[k] < 0 else "") + "xyz"[k]
@@ -185,15 +185,15 @@ def upright(up: Array) -> Array:
 
 # People keep their heads within about 30 degrees of upright, so the crown's mean is within 45.
 UPRIGHT = 0.7
-ON_ITS_SIDE = 0.5  # cosine: the crown is over 60 degrees from up in the mean
+_ON_ITS_SIDE = 0.5  # cosine: the crown is over 60 degrees from up in the mean
 # A head that turns about one axis with this share of its rotation turns about up (people turn more
 # than they nod, and nod more than they roll), and is not read right if up has less than the other.
-TURNS_MOSTLY = 0.6
-TURNS_HARDLY = 0.2
+_TURNS_MOSTLY = 0.6
+_TURNS_HARDLY = 0.2
 _LEAST_TURNED_RAD = 2.0  # below that a few nods decide
 # Walking: faster than a sway, over a second in total. People rarely walk backwards or sideways.
-WALKING_M_S = 0.3
-WALKED_S = 1.5
+_WALKING_M_S = 0.3
+_WALKED_S = 1.5
 _FASTEST_M_S = 5.0
 _COHERENT = 0.4  # length of the mean direction of travel in the head's axes
 # The eyes lie about 8 cm before and above the neck they turn about: accelerations of the tracked
@@ -211,10 +211,10 @@ CLEAR = 0.4  # of points: what one criterion alone is worth at half strength
 SURE = 0.8  # where nothing else contradicts a reading
 # The fastest recorded head turns reach about 800 deg/s and 6 m/s; a jump is far beyond that and too
 # large to be noise.
-JUMP_SPEED_RAD_S = np.radians(2000)
-JUMP_ANGLE_RAD = np.radians(20)
-JUMP_SPEED_M_S = 15.0
-JUMP_DISTANCE_M = 0.25
+_JUMP_SPEED_RAD_S = np.radians(2000)
+_JUMP_ANGLE_RAD = np.radians(20)
+_JUMP_SPEED_M_S = 15.0
+_JUMP_DISTANCE_M = 0.25
 _BLOCK = 1_000_000
 # Readings, what axes mean for a head: up of the world, up and forward of the head, as signed unit
 # vectors of the file, (3, 3). Right follows, and directions on the ground are free.
@@ -254,12 +254,12 @@ class Evidence:
         if self.gravity.any() and up @ self.gravity < UPRIGHT:
             found.append("the file's gravity columns point another way")
         cosine = float(up @ self.upright @ crown)
-        if cosine < ON_ITS_SIDE and np.abs(self.upright).max() >= UPRIGHT:
+        if cosine < _ON_ITS_SIDE and np.abs(self.upright).max() >= UPRIGHT:
             found.append("the head is upside down" if cosine < -UPRIGHT else "the head lies on its side")
         for turns, axis in ((self.world_turns, up), (self.head_turns, crown)):
-            if turns.max() > TURNS_MOSTLY and np.abs(axis) @ turns < TURNS_HARDLY and not found:
+            if turns.max() > _TURNS_MOSTLY and np.abs(axis) @ turns < _TURNS_HARDLY and not found:
                 found.append("the head hardly turns about its upright axis, but about another")
-        if self.climb.max() > TURNS_MOSTLY and np.abs(up) @ self.climb > TURNS_MOSTLY:
+        if self.climb.max() > _TURNS_MOSTLY and np.abs(up) @ self.climb > _TURNS_MOSTLY:
             found.append("the head climbs instead of walking")
         if np.linalg.norm(self.travel) > _COHERENT and not found:
             ahead = float(gaze @ self.travel) / float(np.linalg.norm(self.travel))
@@ -317,7 +317,7 @@ def judge(evidence: Evidence, axes: Axes) -> Verdict:
     up, crown, gaze = best
     ahead = np.roll(np.abs(up), 1)  # on the ground, the next axis after up; all right-handed
     sides = ((np.cross(ahead, up), up, ahead), (np.cross(gaze, crown), crown, gaze))
-    world, head = (",".join(map(axis_word, side)) for side in sides)
+    world, head = (",".join(map(_axis_word, side)) for side in sides)
     better = fitting[0] if fitting else parse_axes(f"world={world} head={head}")
     clear, alone = top - ranked[1][0] > CLEAR and not evidence.faults(best), np.array_equal(best[1:], here[1:])
     return Verdict(faults, better, [axes.name for axes in fitting[1:]], clear, (own, top), alone)
@@ -332,7 +332,7 @@ _FARTHEST_M, _FASTEST_WALK_M_S = 50.0, 12.0
 _LENGTHS = {"centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "feet": 0.3048}
 
 
-def place_fault(time_ns: NDArray[np.int64], position_m: Array, height_m: float) -> tuple[str, str]:
+def _place_fault(time_ns: NDArray[np.int64], position_m: Array, height_m: float) -> tuple[str, str]:
     """Return what is odd about places, and a scale that helps, or "" twice. height_m: or 0."""
     at = every(time_ns)
     p, t = position_m[at], time_ns[at] * 1e-9
@@ -374,8 +374,8 @@ def evidence_of(time_ns: NDArray[np.int64], orientation: Array, position_m: Arra
         velocity = np.diff(p, axis=0)[near] / np.diff(t)[near][:, None]
         speed = np.linalg.norm(velocity, axis=1)
         path = float((speed * np.diff(t)[near]).sum())
-        walks = (speed > WALKING_M_S) & (speed < _FASTEST_M_S)
-        if np.count_nonzero(walks) * 1e-9 * _STEP_NS > WALKED_S:
+        walks = (speed > _WALKING_M_S) & (speed < _FASTEST_M_S)
+        if np.count_nonzero(walks) * 1e-9 * _STEP_NS > _WALKED_S:
             unit = velocity[walks] / speed[walks][:, None]
             travel = np.einsum("nij,ni->nj", axes[:-1][near][walks], unit).mean(axis=0)
             climb = _shares(velocity[walks])
@@ -431,10 +431,10 @@ def find_jumps(time_ns: NDArray[np.int64], orientation: Array, position: Array |
         b = min(a + _BLOCK, len(time_ns) - 1)
         seconds = np.diff(time_ns[a : b + 1]) * 1e-9
         angle = quaternions.angle_between(orientation[a:b], orientation[a + 1 : b + 1])
-        jump = (angle > JUMP_ANGLE_RAD) & (angle > JUMP_SPEED_RAD_S * seconds)
+        jump = (angle > _JUMP_ANGLE_RAD) & (angle > _JUMP_SPEED_RAD_S * seconds)
         if position is not None:
             distance = np.linalg.norm(np.diff(position[a : b + 1], axis=0), axis=1)
-            jump |= (distance > JUMP_DISTANCE_M) & (distance > JUMP_SPEED_M_S * seconds)
+            jump |= (distance > _JUMP_DISTANCE_M) & (distance > _JUMP_SPEED_M_S * seconds)
         found.append(np.flatnonzero(jump) + a)
     return np.concatenate(found) if found else np.empty(0, np.int64)
 
@@ -534,7 +534,7 @@ class JudgedAxes:
         verdict = judge(evidence, self.axes)
         if metres is not None:
             height_m = 0.0 if verdict.faults else float(self.axes.world[1] @ evidence.height_m)
-            what, remedy = place_fault(r.time_ns, metres, height_m)
+            what, remedy = _place_fault(r.time_ns, metres, height_m)
             if what:
                 r.note("place-implausible", what, f"kept; {remedy}")
         if self.axes_by is By.DEFAULT:

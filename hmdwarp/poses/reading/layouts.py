@@ -40,7 +40,7 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
         raise TraceError(f"{head.path} has no header ({head.describe()}): its columns cannot be told apart")
     found = header.find_columns(head.names)
     clock, told = _clock(head, found)
-    facts = clock | {"position": found.position, "device": column_of_devices(head)}
+    facts = clock | {"position": found.position, "device": _column_of_devices(head)}
     facts |= {"unit_by": By.FORMAT if "unit" in known else By.FILE, "scale": found.length_m or 1.0}
     facts["scale_by"] = By.FILE if found.length_m else By.DEFAULT
     if found.gravity and len(down := head.numbers(found.gravity, commas=False)):
@@ -104,7 +104,7 @@ def _turn(head: Head, found: header.Columns, options: TraceOptions, known: dict[
         columns = tuple(found.angles["xyz".index(axis)] for axis in axes)
         return {"orientation": columns, "euler": euler, "order_by": By.USER if options.euler else By.FORMAT}
     if candidates:
-        of_matrix(head, candidates[0], options.matrix)
+        _of_matrix(head, candidates[0], options.matrix)
     if found.angles is not None:
         angles = ", ".join(map(head.name_of, found.angles))
         how = "--euler states their order (ZXY,deg is Unity's; vector,rad a rotation vector)"
@@ -148,7 +148,7 @@ def column_of(head: Head, word: str) -> int:
     return index
 
 
-def column_of_devices(head: Head) -> int | None:
+def _column_of_devices(head: Head) -> int | None:
     """Return the column that names devices, by its own name or by heads or hands in its rows."""
     if (named := header.find_columns(head.names or []).device) is not None:
         return named
@@ -230,7 +230,7 @@ def stated_layout(head: Head, options: TraceOptions) -> Layout:
     key, columns = turns[0], stated[turns[0]]
     facts: dict[str, Any] = {"orientation": columns, "order_by": By.USER}
     if key == "m":
-        facts = of_matrix(head, columns, options.matrix)
+        facts = _of_matrix(head, columns, options.matrix)
     elif key == "q":
         facts["orientation"] = ordered(head, columns, options.quat_order or "xyzw")
     elif key == "e" and options.euler is None:
@@ -240,10 +240,10 @@ def stated_layout(head: Head, options: TraceOptions) -> Layout:
     else:
         facts |= {"euler": Euler(VECTOR, degrees=False), "order_by": By.DEFAULT}
     (time,), place = stated.get("t", (None,)), facts.get("position") or stated.get("p")
-    return Layout(time=time, columns_by=By.USER, device=column_of_devices(head), **facts | {"position": place})
+    return Layout(time=time, columns_by=By.USER, device=_column_of_devices(head), **facts | {"position": place})
 
 
-def of_matrix(head: Head, cells: header.Cells, order: str | None) -> dict[str, Any]:
+def _of_matrix(head: Head, cells: header.Cells, order: str | None) -> dict[str, Any]:
     found = _arranged(head, cells, order)
     if found is None:
         last = ", nor 0,0,0,1 in the last row or column" if len(cells) == 16 else ""
@@ -309,7 +309,7 @@ def _of_matrices(head: Head, options: TraceOptions, facts: dict[str, Any]) -> La
         if head.width < count:
             raise TraceError(f"{head.path}: {head.width} columns, expected 12 or 16, or one more with a time first")
         cells = tuple(range(head.width - count, head.width))
-    matrix = of_matrix(head, cells, options.matrix)
+    matrix = _of_matrix(head, cells, options.matrix)
     clocks = []  # columns that rise, with how likely each is the clock, and no number of the frame
     for column in set(range(head.width)) - set(cells):
         numbers = head.numbers((column,))[:, 0]

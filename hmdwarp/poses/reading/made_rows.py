@@ -455,7 +455,7 @@ _MODEL = attrs.evolve(LIST, error=TraceError)
 
 
 @attrs.frozen(eq=False)
-class ColmapImage:
+class _ColmapImage:
     where: str
     name: str
     camera_id: int
@@ -475,7 +475,7 @@ class ColmapCamera:
     parameters: tuple[float, ...]
 
 
-def read_images(path: Path) -> list[ColmapImage]:
+def read_images(path: Path) -> list[_ColmapImage]:
     """Return the images of images.txt or images.bin, by name. Errors: TraceError."""
     return _images(path, content_of(path, _MODEL))
 
@@ -485,7 +485,7 @@ def table_of_colmap(path: Path, raw: bytes) -> Made:
     return Made("colmap", rows_text(map(repr, image.pose) for image in _images(path, raw)), COLUMNS)
 
 
-def _images(path: Path, raw: bytes) -> list[ColmapImage]:
+def _images(path: Path, raw: bytes) -> list[_ColmapImage]:
     from scipy.spatial.transform import Rotation
 
     images = []
@@ -495,7 +495,7 @@ def _images(path: Path, raw: bytes) -> list[ColmapImage]:
         if not abs(length - 1) <= 1e-2 or not np.isfinite(moved).all():
             raise TraceError(f"{where}: a quaternion of length {length:.4g}; expected 1 within 0.01, w x y z")
         turned = Rotation.from_quat((x, y, z, w)).as_matrix().T
-        images.append(ColmapImage(where, name, camera_id, tuple(pose), turned))
+        images.append(_ColmapImage(where, name, camera_id, tuple(pose), turned))
     return sorted(images, key=lambda image: image.name)
 
 

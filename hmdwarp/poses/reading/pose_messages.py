@@ -26,7 +26,7 @@ from .header import Made
 COLUMNS = ("stamp_ns", "topic", "x", "y", "z", "qx", "qy", "qz", "qw")
 _TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 _FIELDS, _LISTS = {name: text.split() for name, text in _TABLE["fields"].items()}, _TABLE["lists"]
-WITH_POSES = {*_FIELDS, *_LISTS}  # types of messages
+_WITH_POSES = {*_FIELDS, *_LISTS}  # types of messages
 _FILES = {"mcap": ("an MCAP file", "as JSON, protobuf or ROS 2's CDR"), "rosbag": ("a bag", "of ROS 1 or ROS 2")}
 _STATIC = "tf_static"  # topic of transforms that never change: no head
 _DATA = re.compile(r"^\s*- (\S+\.(?:db3|mcap))\s*$", re.MULTILINE)  # of a recording, in its metadata
@@ -34,10 +34,10 @@ _XYZ, _XYZW = operator.attrgetter("x", "y", "z"), operator.attrgetter("x", "y", 
 
 
 # Of a message: nanoseconds (0 without a stamp), its frame and the one in it, position and xyzw.
-StampedPose = tuple[int, str, str, tuple[float, ...]]
+_StampedPose = tuple[int, str, str, tuple[float, ...]]
 
 
-def poses_in(name: str, message: Any) -> Iterator[StampedPose]:
+def poses_in(name: str, message: Any) -> Iterator[_StampedPose]:
     if name in _LISTS:
         for transform in message.transforms:
             yield from poses_in(_LISTS[name], transform)
@@ -60,7 +60,7 @@ def part_of(path: Path) -> str:
 
 
 def _table(
-    path: Path, kind: str, poses: Iterable[tuple[str, int, StampedPose]], held: Mapping[str, str],
+    path: Path, kind: str, poses: Iterable[tuple[str, int, _StampedPose]], held: Mapping[str, str],
     defects: list[Defect], comments: Iterable[str] = (),
 ) -> Made:  # fmt: skip
     """Return a row of COLUMNS for each pose. poses: topic, time of logging in ns and pose.
@@ -109,19 +109,19 @@ def table_of_mcap(path: Path, stream: IO[bytes], size: int) -> Made:
     mcap, how = import_extra("mcap.reader", "mcap", EXTRA), {"validate_crcs": True, "record_size_limit": size}
     modules = (("mcap_ros2.decoder", "mcap-ros2-support"), ("mcap_protobuf.decoder", "mcap-protobuf-support"))
     factories = [import_extra(*name, EXTRA).DecoderFactory() for name in modules]
-    decoders: dict[int, Callable[[bytes], Iterator[StampedPose]] | None] = {}
+    decoders: dict[int, Callable[[bytes], Iterator[_StampedPose]] | None] = {}
     held: dict[str, str] = {}
     comments: list[str] = []
     defects: list[Defect] = []
 
-    def decoder(schema: Any, channel: Any) -> Callable[[bytes], Iterator[StampedPose]] | None:
+    def decoder(schema: Any, channel: Any) -> Callable[[bytes], Iterator[_StampedPose]] | None:
         """Return what reads the poses of a channel's messages, None where they have none."""
         if channel.id not in decoders:
             name = "" if schema is None else schema.name.replace("/msg/", "/")
             coded, decode = channel.message_encoding, None
-            if name in WITH_POSES and coded == "json":
+            if name in _WITH_POSES and coded == "json":
                 decode = lambda data: _by_name(parse_json(data))  # noqa: E731
-            elif name in WITH_POSES:
+            elif name in _WITH_POSES:
                 decode = next(filter(None, (f.decoder_for(coded, schema) for f in factories)), None)
             if decode is None:
                 held[channel.topic] = f"{name or 'no schema'}, {coded}"
@@ -143,7 +143,7 @@ def table_of_mcap(path: Path, stream: IO[bytes], size: int) -> Made:
         stream.seek(0)
         reader = mcap.NonSeekingReader(stream, **how)
 
-    def poses() -> Iterator[tuple[str, int, StampedPose]]:
+    def poses() -> Iterator[tuple[str, int, _StampedPose]]:
         count = 0
         try:
             for schema, channel, message in reader.iter_messages(topics, log_time_order=topics is not None):
@@ -195,7 +195,7 @@ def _by_name(value: Any) -> Any:
     return [_by_name(one) for one in value] if isinstance(value, list) else value
 
 
-BAGS_EXTRA = "bags"
+_BAGS_EXTRA = "bags"
 MAGICS = (b"#ROSBAG V2.0", b"SQLite format 3\x00")  # of files that only rosbags reads
 ENDINGS = (".bag", ".db3", ".mcap")
 _METADATA = "metadata.yaml"
@@ -219,8 +219,8 @@ class Bag:
 
     def __init__(self, path: Path) -> None:
         self.path, self._lock = path, threading.Lock()
-        highlevel = import_extra("rosbags.highlevel", "rosbags", BAGS_EXTRA)
-        types = import_extra("rosbags.typesys", "rosbags", BAGS_EXTRA)
+        highlevel = import_extra("rosbags.highlevel", "rosbags", _BAGS_EXTRA)
+        types = import_extra("rosbags.typesys", "rosbags", _BAGS_EXTRA)
         _check_plain(path)
         _bound_unpacking()
         try:
@@ -299,8 +299,8 @@ class _Bounded:
 def _bound_unpacking() -> None:
     """Have rosbags unpack no more than most_unpacked; it would take what there is."""
     names = ("rosbag1.reader", "rosbag2.reader", "rosbag2.storage_mcap")
-    first, second, mcap = (import_extra(f"rosbags.{name}", "rosbags", BAGS_EXTRA) for name in names)
-    lz4, zstd = import_extra("lz4.frame", "lz4", BAGS_EXTRA), vars(second)["zstd"]
+    first, second, mcap = (import_extra(f"rosbags.{name}", "rosbags", _BAGS_EXTRA) for name in names)
+    lz4, zstd = import_extra("lz4.frame", "lz4", _BAGS_EXTRA), vars(second)["zstd"]
     if isinstance(zstd, SimpleNamespace):
         return
     makers = {"bz2": bz2.BZ2Decompressor, "lz4": lz4.LZ4FrameDecompressor, "zstd": zstd.ZstdDecompressor}
@@ -328,7 +328,7 @@ def stamp_ns(stamp: Any) -> int:
 def table_of_bag(path: Path) -> Made:
     """Return the poses of a bag. Errors: as of Bag."""
     bag = Bag(path)
-    held = {topic: name for topic, name in bag.topics.items() if name not in WITH_POSES}
+    held = {topic: name for topic, name in bag.topics.items() if name not in _WITH_POSES}
     poses = (
         (topic, logged_ns, pose)
         for topic, logged_ns, message in bag.messages(bag.topics.keys() - held.keys())

@@ -399,9 +399,9 @@ class RowReader:
                 if field.view(np.uint8).reshape(count, -1)[:, -1].any():
                     return None  # longer than what is kept of it
                 texts[column] = np.strings.strip(field)
-            stamps: Stamps | None = stamps_of([])
+            stamps: Stamps | None = _stamps_of([])
             if layout.time is not None and (stamps := _parse_plain(texts[layout.time])) is None:
-                stamps = stamps_of([parse_one(one.decode("latin-1")) for one in texts[layout.time].tolist()])
+                stamps = _stamps_of([_parse_one(one.decode("latin-1")) for one in texts[layout.time].tolist()])
         except (ValueError, OverflowError):
             return None
         return values, np.arange(line, line + count, dtype=np.int32), texts.get(layout.device), stamps
@@ -429,7 +429,7 @@ class RowReader:
                     self._bad_rows += 1
                     self._first_bad = self._first_bad or (number, str(error))
         values = np.array([row[1] for row in rows], np.float64).reshape(len(rows), len(self._columns))
-        stamps = stamps_of([row[2] for row in rows if self.layout.time is not None])
+        stamps = _stamps_of([row[2] for row in rows if self.layout.time is not None])
         devices = np.array([row[3] for row in rows], np.bytes_)
         return values, np.array([row[0] for row in rows], np.int32), devices, stamps
 
@@ -454,9 +454,9 @@ class RowReader:
             try:
                 rest = "" if layout.rest is None else fields[layout.rest]
                 dated = f"{rest} " if layout.rest_unit == "date" else ""
-                time = parse_one(dated + (field.replace(",", ".") if self.head.decimal_comma else field))
+                time = _parse_one(dated + (field.replace(",", ".") if self.head.decimal_comma else field))
                 if rest and not dated:
-                    time = (time[0], time[1] + parse_one(rest)[0] * UNITS_NS[layout.rest_unit], time[2], 10)
+                    time = (time[0], time[1] + _parse_one(rest)[0] * UNITS_NS[layout.rest_unit], time[2], 10)
             except ValueError as error:
                 raise ValueError(f"{self.head.name_of(layout.time)}: {error}{_REPAIR}") from None
         return row, time, b"" if layout.device is None else fields[layout.device].encode("utf-8", "replace")
@@ -532,12 +532,12 @@ class Stamps:
         return np.diff(self.whole) + np.diff(self.billionths) * 1e-9
 
 
-def stamps_of(parsed: list[tuple[int, int, bool, int]]) -> Stamps:
+def _stamps_of(parsed: list[tuple[int, int, bool, int]]) -> Stamps:
     whole, parts, decimals = (np.array([stamp[k] for stamp in parsed], dtype=np.int64) for k in (0, 1, 3))
     return Stamps(whole, parts, any(stamp[2] for stamp in parsed), decimals.astype(np.int8))
 
 
-def parse_one(text: str) -> tuple[int, int, bool, int]:
+def _parse_one(text: str) -> tuple[int, int, bool, int]:
     """Return whole, billionths, whether it is a clock, decimals of a stamp. Errors: ValueError."""
     text = text.strip().strip('"').strip()
     clock = _CLOCK.match(text)

@@ -184,10 +184,10 @@ def _conditions(row: Row, of: Conditions) -> tuple[str, ...]:
     return tuple(text(row[name]) if row.get(name) is not None else "" for name, text in of)
 
 
-Value = Callable[[Row], Any]
+_Value = Callable[[Row], Any]
 
 
-def at(*keys: str | int, default: Any = None) -> Value:
+def at(*keys: str | int, default: Any = None) -> _Value:
     """Return what takes a value from the tables and lists inside a row."""
 
     def value(row: Any) -> Any:
@@ -207,16 +207,16 @@ class Column:
     # Label, and how a number is written; its name is that of the column in a file.
     figure: Figure
     # Takes the value out of a row; None where nothing was measured.
-    value: Value
+    value: _Value
     # float, int or str.
     kind: type = float
     # Whether files have it.
     is_filed: bool = True
     # Takes what people see, where that is another text.
-    shown: Value | None = None
+    shown: _Value | None = None
 
     @classmethod
-    def of_text(cls, name: str, label: str = "", value: Value | None = None, **more: Any) -> Column:
+    def of_text(cls, name: str, label: str = "", value: _Value | None = None, **more: Any) -> Column:
         """Return a column of texts; by default that of the row's key."""
         return cls(Figure(name, label or name, "", 0), value or at(name, default=""), str, **more)
 
@@ -352,12 +352,12 @@ def measure_label(measure: str) -> str:
 
 _RANKS = {metric.name: metric.bench_rank for metric in metrics_in_order() if metric.bench_rank is not None}
 _TIMES = ("total_ms", "total_ms_p95")
-DECISION = ("warp", "fill", *_TIMES, *(f"{name}{end}" for name in _RANKS for end in ("", "_spread")))
+_DECISION = ("warp", "fill", *_TIMES, *(f"{name}{end}" for name in _RANKS for end in ("", "_spread")))
 # The terminal has those that fit beside a long name in 80 columns.
 _OF_TERMINAL = ("warp", "fill", "total_ms", PRIMARY, f"{PRIMARY}_spread", "psnr_db", "ssim", "hole_share")
 
 
-def decision(rows: Iterable[Row], names: Sequence[str] = DECISION) -> list[Column]:
+def decision(rows: Iterable[Row], names: Sequence[str] = _DECISION) -> list[Column]:
     """Return the columns to decide from, and JOD where any row was rated."""
     return [COLUMNS[name] for name in (*names, *([JOD.name] if any("jod" in row for row in rows) else []))]
 

@@ -101,7 +101,7 @@ _REACTS: dict[str, Callable[..., Any]] = {"bouncing": Bouncing, "hinged": Hinged
 _POSES = ("at", "start", "pose", "viewpoint")  # keys of a place, or of a place and a quaternion
 
 
-def stored_scene(name: str, table: dict[str, Any]) -> Scene:
+def _stored_scene(name: str, table: dict[str, Any]) -> Scene:
     textures, meshes = textures_named(*table["textures"]), list[Mesh]()
     arrays: Arrays = {}
     if (path := _FOLDER / f"{name}.glb.xz").is_file():
@@ -162,7 +162,7 @@ class SceneSource:
 def _of_table(name: str, table: dict[str, Any]) -> SceneSource:
     reacts = partial(moving, table, arrays={}) if table.get("reacts") else None
     effects = tuple(table.get("effects", ()))
-    return SceneSource(name, table["summary"], partial(stored_scene, name, table), effects, reacts)
+    return SceneSource(name, table["summary"], partial(_stored_scene, name, table), effects, reacts)
 
 
 scenes: Registry[SceneSource] = Registry("scene", __name__, group="scenes", of_table=_of_table, columns="effects")

@@ -148,11 +148,11 @@ class DepthCodes:
     def numbers(self) -> NDArray[np.float32]:
         """Return inverse depth, -1 where nothing was drawn."""
         inverse = self.codes * np.float32(self.step)
-        inverse[self.codes == NO_CODE] = -1
+        inverse[self.codes == _NO_CODE] = -1
         return inverse
 
 
-NO_CODE = 65535
+_NO_CODE = 65535
 Picture = NDArray[Any] | DepthCodes | bytes
 
 

@@ -16,7 +16,7 @@ from ...options import Declared, Number, one_of, option
 from ...options.named_files import SECRET, opened, text_in
 from .sockets import valid_address, zmq_module
 
-FULL, HALF = RAW_FORMS = ("full", "half")
+FULL, HALF = _RAW_FORMS = ("full", "half")
 _option = partial(option, study="a study shows scenes that it draws itself, with a latency that it sets")
 
 
@@ -38,8 +38,8 @@ class FeedOptions(Declared):
         FULL,
         "How frames of the server at --connect come without a codec: full (12 bytes a pixel, as drawn), half (6: sRGB "
         "bytes, inverse depth in 65535 steps up to the nearest surface).",
-        valid=one_of(*RAW_FORMS),
-        limits=", ".join(RAW_FORMS),
+        valid=one_of(*_RAW_FORMS),
+        limits=", ".join(_RAW_FORMS),
     )
 
     added_latency_ms: float = _option(

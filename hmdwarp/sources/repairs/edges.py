@@ -20,7 +20,7 @@ _WAYS = ((0, 1), (1, 0), (1, 1), (1, -1))
 
 
 @attrs.frozen
-class EdgesSettings(SurfaceSettings):
+class _EdgesSettings(SurfaceSettings):
     most: int = 6  # most pixels by which depth may be off its colour, on each axis; 0 never moves it
     evidence: float = 5.0  # standard deviations by which the best offset must stand out from the others
 
@@ -42,10 +42,10 @@ class Edges(Repair):
         "jumps of depth meet edges of colour, as in Levinson and Thrun 2013, Automatic Online Calibration of Cameras "
         "and Lasers; flying pixels as in Reynolds et al. 2011, Capturing Time-of-Flight Data with Confidence"
     )
-    Settings = EdgesSettings
+    Settings = _EdgesSettings
 
     def run(self, colour: Pixels, depth: MeasuredDepth) -> MeasuredDepth:
-        settings: EdgesSettings = self.settings
+        settings: _EdgesSettings = self.settings
         with np.errstate(invalid="ignore"):  # NaN is no depth: every comparison with it is False
             down, right = depth_offset(colour, depth.inverse_depth, settings)
             inverse = _moved(depth.inverse_depth, down, right, np.nan)
@@ -54,7 +54,7 @@ class Edges(Repair):
         return MeasuredDepth(np.where(flying, np.float32(np.nan), inverse), np.where(flying, np.float32(0), confidence))
 
 
-def depth_offset(colour: Pixels, inverse: Pixels, settings: EdgesSettings) -> tuple[int, int]:
+def depth_offset(colour: Pixels, inverse: Pixels, settings: _EdgesSettings) -> tuple[int, int]:
     """Return how far depth must move, down and right, to meet its colour; (0, 0) if unclear."""
     most, contrast, count = settings.most, 0.0, 0
     for axis in (0, 1):
@@ -94,7 +94,7 @@ def _moved(values: Pixels, down: int, right: int, empty: float) -> Pixels:
     return moved
 
 
-def _between_surfaces(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bool_]:
+def _between_surfaces(inverse: Pixels, settings: _EdgesSettings) -> NDArray[np.bool_]:
     """Return pixels farther than a neighbour, one or two away, and nearer than the opposite one."""
     beside = np.zeros(inverse.shape, bool)  # of a jump of depth along a row or a column
     for axis in (0, 1):
@@ -137,7 +137,7 @@ _DIAGONAL = np.float32(np.sqrt(2))
 
 
 @attrs.frozen
-class CompleteSettings(SurfaceSettings):
+class _CompleteSettings(SurfaceSettings):
     colour: float = 0.08  # standard deviation of colours of one surface, sRGB of 0 to 1
     reach: float = 0.075  # share of the picture's longer side at which the confidence has fallen to a half
     least: float = 0.0  # confidence below which a guess is not taken: the pixel stays a hole
@@ -166,10 +166,10 @@ class Complete(Repair):
         "joint bilateral weights as in Petschnigg et al. 2004 and Kopf et al. 2007, on the nearest measured pixels; "
         "the vote between surfaces is this project's"
     )
-    Settings = CompleteSettings
+    Settings = _CompleteSettings
 
     def run(self, colour: Pixels, depth: MeasuredDepth) -> MeasuredDepth:
-        settings: CompleteSettings = self.settings
+        settings: _CompleteSettings = self.settings
         gaps = np.isnan(depth.inverse_depth)
         if not gaps.any() or gaps.all():
             return depth
@@ -201,7 +201,7 @@ def _reduced(colour: Pixels, inverse: Pixels, part: int) -> tuple[Pixels, Pixels
     return mean_colour, np.take_along_axis(depths, nearest[None], axis=0)[0]
 
 
-def _closed(colour: Pixels, inverse: Pixels, settings: CompleteSettings, pixel: float) -> tuple[Pixels, Pixels]:
+def _closed(colour: Pixels, inverse: Pixels, settings: _CompleteSettings, pixel: float) -> tuple[Pixels, Pixels]:
     """Return inverse depth without gaps, and confidence. pixel: its share of the longer side."""
     known = ~np.isnan(inverse)
     confidence = known.astype(np.float32)

@@ -209,7 +209,7 @@ def _last(layer: str) -> str:
 
 
 @attrs.frozen(eq=False)
-class ExrPicture:
+class _ExrPicture:
     """The channels of an EXR file over its display window, by name; row 0 is the top row."""
 
     path: Path
@@ -273,7 +273,7 @@ class ExrPicture:
         return np.where(depth > FAR_M, np.float32(np.inf), depth)
 
 
-def read_exr(path: Path) -> ExrPicture:
+def read_exr(path: Path) -> _ExrPicture:
     """Return what an EXR file holds. Errors: InputError; MachineError without its package."""
     library: Any = import_extra("OpenEXR", "OpenEXR", "exr")
     damage: list[str] = []
@@ -299,7 +299,7 @@ def read_exr(path: Path) -> ExrPicture:
     if "deep" in str(head.get("type", "")).lower():
         raise InputError(f"{path}: deep pixels; expected one value for each: flatten it")
     placed = {name: _placed(path, head, pixels) for name, pixels in channels.items()}
-    return ExrPicture(path, placed, tuple(head.get("multiView", ())) or ("main", "left", "right"))
+    return _ExrPicture(path, placed, tuple(head.get("multiView", ())) or ("main", "left", "right"))
 
 
 def write_exr(path: Path, colour: NDArray[Any], coverage: NDArray[Any], depth_m: NDArray[Any]) -> None:

@@ -20,7 +20,7 @@ from .targets import Framebuffers, Multisampled, Renderer, Target
 
 Size = tuple[int, int]
 _MOST_CHOSEN = 256  # sets of parts, by what frames need
-MIRRORS = GEOMETRY, SCREEN = "geometry", "screen"
+MIRRORS = _GEOMETRY, SCREEN = "geometry", "screen"
 
 
 class Server(Renderer):
@@ -41,7 +41,7 @@ class Server(Renderer):
         self,
         gpu: Gpu,
         scene: Scene,
-        mirrors: str = GEOMETRY,
+        mirrors: str = _GEOMETRY,
         *,
         lighting: Lighting | None = None,
         samples: int = 1,

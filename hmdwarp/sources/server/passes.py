@@ -60,11 +60,11 @@ def boxes_of(centres: Array, half_sizes: Array) -> Array:
     return np.concatenate([centres.T, np.ones((1, len(centres))), half_sizes.T])
 
 
-def boxes_around(low: Array, high: Array) -> Array:
+def _boxes_around(low: Array, high: Array) -> Array:
     return boxes_of((low + high) / 2, (high - low) / 2)
 
 
-def side_planes(clip: Array) -> Array:
+def _side_planes(clip: Array) -> Array:
     """Return planes (5, 4), n . (x, y, z, 1) >= 0 inside. Source: Gribb and Hartmann 2001."""
     planes = np.empty((5, 4))
     np.add(clip[3], clip[:3], out=planes[:3])
@@ -74,7 +74,7 @@ def side_planes(clip: Array) -> Array:
 
 def visible(boxes: Array, clip: Array, slack: Array | float = 0.0) -> NDArray[np.bool_]:
     """Return which boxes may reach into `clip` (4x4), with slack (5, n) outside each plane."""
-    planes = side_planes(clip)
+    planes = _side_planes(clip)
     within = np.concatenate([planes, np.abs(planes[:, :3])], axis=1) @ boxes + slack
     inside: NDArray[np.bool_] = within.min(axis=0) >= 0
     return inside
@@ -87,7 +87,7 @@ def may_be_seen(
     # How far outside each plane of the view a visible box may be, (5, n). Of a point p:
     # |n . (R (p - e) - R' (p - e'))| <= |n| (|R - R'| |p - e'| + |e - e'|), e' the view's.
     clip = clip_from_eye(view.fov)
-    steep = np.linalg.norm(side_planes(clip)[:, :3], axis=1)
+    steep = np.linalg.norm(_side_planes(clip)[:, :3], axis=1)
     reach = np.linalg.norm(centres - (view.pose.position_m - origin_m), axis=1) + np.linalg.norm(halves, axis=1)
     slack = steep[:, None] * (radians * reach + metres)
     return visible(boxes_of(centres, halves), clip @ eye_from_scene(view, origin_m), slack)
@@ -112,8 +112,8 @@ def nearest_first(boxes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp
     return found
 
 
-Spans = tuple[tuple[int, int], ...]  # (first index, number of indices) of each draw call
-Draws = tuple[tuple[int, Spans], ...]  # (batch, its spans), in the order they are drawn
+_Spans = tuple[tuple[int, int], ...]  # (first index, number of indices) of each draw call
+Draws = tuple[tuple[int, _Spans], ...]  # (batch, its spans), in the order they are drawn
 
 
 @attrs.frozen(eq=False)
@@ -148,12 +148,12 @@ def draws_of(chunks: Chunks, seen: NDArray[np.bool_], eye: Array) -> Draws:
 # A view is replaced by the middle of its cell: of 1/32 in each part of its quaternion, and of 1/8 m
 # in each coordinate of its eye. A head that turns at 30 degrees/s enters a new cell at one refresh
 # of ten, and a tenth more triangles are drawn than are visible.
-TURN_STEP, EYE_STEP_M = 1 / 32, 1 / 8
+_TURN_STEP, EYE_STEP_M = 1 / 32, 1 / 8
 # Two unit quaternions within half a step in each of four parts differ by a step at most, those of
 # the cell's middle, once normalised, by little more: 1.02 for this step. That is a turn of twice
 # the angle, and a chord is no longer than its arc.
-TURN_RAD = 2 * 1.05 * TURN_STEP
-EYE_OFF_M = math.sqrt(3) / 2 * EYE_STEP_M
+TURN_RAD = 2 * 1.05 * _TURN_STEP
+_EYE_OFF_M = math.sqrt(3) / 2 * EYE_STEP_M
 KEPT = 64
 
 
@@ -166,14 +166,14 @@ class Visibility:
     def near(self, turn: tuple[float, float, float, float], eye: Array, fov: Fov) -> Draws:
         """Return the draws for an eye: quaternion xyzw to the chunks' space, (3,) metres in it."""
         sign = 1 if turn[3] >= 0 else -1
-        turned = np.rint(np.array(turn) * (sign / TURN_STEP)).tolist()
+        turned = np.rint(np.array(turn) * (sign / _TURN_STEP)).tolist()
         return self._draws(*turned, *np.rint(eye / EYE_STEP_M).tolist(), fov)
 
 
 def _draws_of_cell(chunks: Chunks, *cell: Any) -> Draws:
-    turn, eye, boxes = np.array(cell[:4]) * TURN_STEP, np.array(cell[4:7]) * EYE_STEP_M, chunks.boxes
+    turn, eye, boxes = np.array(cell[:4]) * _TURN_STEP, np.array(cell[4:7]) * EYE_STEP_M, chunks.boxes
     middle = View(Pose(eye, turn), cell[7])
-    seen = may_be_seen(boxes[:3].T, boxes[4:].T, middle, np.zeros(3), EYE_OFF_M, TURN_RAD)
+    seen = may_be_seen(boxes[:3].T, boxes[4:].T, middle, np.zeros(3), _EYE_OFF_M, TURN_RAD)
     return draws_of(chunks, seen, eye)
 
 
@@ -181,17 +181,17 @@ SRGB8_ALPHA8 = 0x8C43
 
 
 # What the surfaces with a texture emit: a texture of its own times a linear colour.
-Shine = tuple[moderngl.Texture, tuple[float, ...]]
+_Shine = tuple[moderngl.Texture, tuple[float, ...]]
 
 
 @attrs.frozen(eq=False)
-class Batch:
+class _Batch:
     texture: moderngl.Texture
     double_sided: bool  # whether both sides of a triangle are visible; else back faces are culled
-    emission: Shine
+    emission: _Shine
 
 
-def upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
+def _upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
     size, data = texture.image.shape[1::-1], _texels(texture.image)
     check_size(gpu.gl, size)
     made = gpu.gl.texture(size, 4, data, internal_format=SRGB8_ALPHA8 if texture.srgb else None)
@@ -215,13 +215,13 @@ class SceneTextures:
 
     def __init__(self, gpu: Gpu, scene: Scene, *, lent: bool = False) -> None:
         def made(one: Texture) -> moderngl.Texture:
-            make = functools.partial(upload_texture, gpu, one)
+            make = functools.partial(_upload_texture, gpu, one)
             return gpu.lend(one.image, (one.srgb, one.repeat), make) if lent else make()
 
         self._gpu, self.revision = gpu, 0  # it counts changes
         self._made = [made(texture) for texture in (*scene.textures, _WHITE)]
         self._shines = {
-            index: (upload_texture(gpu, Texture("emission", one.image, repeat=one.repeat)), one.factor)
+            index: (_upload_texture(gpu, Texture("emission", one.image, repeat=one.repeat)), one.factor)
             for index, one in ((index, texture.emission) for index, texture in enumerate(scene.textures))
             if one
         }
@@ -229,7 +229,7 @@ class SceneTextures:
     def __getitem__(self, index: int) -> moderngl.Texture:
         return self._made[index]
 
-    def shine(self, index: int) -> Shine:
+    def shine(self, index: int) -> _Shine:
         return self._shines.get(index) or (self._made[-1], (0.0, 0.0, 0.0))
 
     def put(self, index: int, image: NDArray[np.uint8]) -> None:
@@ -246,7 +246,7 @@ class SceneBuffers(Owner):
     """Some meshes of a scene on the GPU: a vertex buffer, an index buffer and chunks."""
 
     def __init__(self, gpu: Gpu, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
-        self.batches: list[Batch] = []
+        self.batches: list[_Batch] = []
         self.meshes, self.revision = list(meshes), 0  # it counts changes
         self.chunks: Chunks  # those that are drawn
         self.visibility: Visibility
@@ -264,9 +264,9 @@ class SceneBuffers(Owner):
                     self._order.append(chunk.ravel() + np.uint32(self._starts[number]))
                     batch_of.append(len(self.batches))
                     owner.append(number)
-            self.batches.append(Batch(textures[texture], double_sided, textures.shine(texture)))
+            self.batches.append(_Batch(textures[texture], double_sided, textures.shine(texture)))
         count = np.array([len(part) for part in self._order], np.int64)
-        around = boxes_around(*np.array(boxes, np.float64).reshape(-1, 2, 3).transpose(1, 0, 2))
+        around = _boxes_around(*np.array(boxes, np.float64).reshape(-1, 2, 3).transpose(1, 0, 2))
         self._all = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), around)
         self._owner = np.array(owner, np.int64)
         self.draw_only(range(len(meshes)))
@@ -283,7 +283,7 @@ class SceneBuffers(Owner):
         self._vertices.write(rows.tobytes())
         corners = positions[np.concatenate(self._order)].astype(np.float64)
         low, high = (extreme.reduceat(corners, self._all.first, axis=0) for extreme in (np.minimum, np.maximum))
-        self._all = attrs.evolve(self._all, boxes=boxes_around(low, high))
+        self._all = attrs.evolve(self._all, boxes=_boxes_around(low, high))
         self._choose()
 
     def put(self, number: int, mesh: Mesh) -> None:
@@ -295,7 +295,7 @@ class SceneBuffers(Owner):
         for chunk, triangles in zip(np.flatnonzero(self._owner == number).tolist(), chunks_of(mesh), strict=True):
             self._order[chunk] = indices = triangles.ravel() + np.uint32(start)
             self._indices.write(indices.astype(np.uint32).tobytes(), offset=4 * int(self._all.first[chunk]))
-            boxes[:, [chunk]] = boxes_around(*(corner[None] for corner in _extremes(mesh, triangles)))
+            boxes[:, [chunk]] = _boxes_around(*(corner[None] for corner in _extremes(mesh, triangles)))
         self._all = attrs.evolve(self._all, boxes=boxes)
         self._choose()
 
@@ -330,8 +330,8 @@ def _vertex_rows(meshes: Sequence[Mesh]) -> NDArray[np.float32]:
     return np.concatenate([np.empty((0, 8)), *rows]).astype(np.float32)
 
 
-STAYS = np.eye(4)
-STAYS.flags.writeable = False
+_STAYS = np.eye(4)
+_STAYS.flags.writeable = False
 
 
 @attrs.frozen(eq=False)
@@ -356,7 +356,7 @@ class Moving(Owner, ABC):
 
     def scene_from_here(self, time_ns: int) -> NDArray[np.float64]:
         """Return the 4x4 that takes its positions to the scene's axes at an instant."""
-        return STAYS
+        return _STAYS
 
 
 class MovingBody(Moving):
@@ -426,8 +426,8 @@ def moving_parts(gpu: Gpu, scene: Scene, textures: SceneTextures) -> tuple[Movin
     return (*bodies, *(DeformingMesh(gpu, scene, mesh, textures) for mesh in surfaces if mesh.deformation is not None))
 
 
-EMISSION_UNIT = 3  # above those of lib/lamps.glsl, which scenes without emission alone have
-INDIRECT_UNIT, BLOCKERS_UNIT = 6, 7
+_EMISSION_UNIT = 3  # above those of lib/lamps.glsl, which scenes without emission alone have
+_INDIRECT_UNIT, BLOCKERS_UNIT = 6, 7
 Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
 
@@ -463,8 +463,8 @@ class Lighting(Owner):
 
     def use_atlas(self, uniforms: Uniforms, atlas: moderngl.Texture) -> None:
         """Take indirect light from an atlas, as fine as the scene's or finer."""
-        uniforms.set(indirect=INDIRECT_UNIT, texels=atlas.width / ATLAS[0])
-        atlas.use(INDIRECT_UNIT)
+        uniforms.set(indirect=_INDIRECT_UNIT, texels=atlas.width / ATLAS[0])
+        atlas.use(_INDIRECT_UNIT)
 
     def use_lamps(self, uniforms: Uniforms, time_ns: int) -> bytes:
         """Set what direct light takes, for an instant; return what tells its light apart."""
@@ -627,7 +627,7 @@ class ScenePasses(Owner):
                 if one is not None:
                     buffers, place = one.buffers, one.place(view)
                 if self._is_lit:
-                    lit = STAYS if one is None else one.scene_from_here(self.scene.lit_ns(time_ns))
+                    lit = _STAYS if one is None else one.scene_from_here(self.scene.lit_ns(time_ns))
                     self._surface.uniforms.set(scene_from_here=lit)
                 seen_from = self._seen_from(view, place)
                 clip = clip_from_eye(view.fov) @ seen_from.eye_from_here
@@ -637,7 +637,7 @@ class ScenePasses(Owner):
                 else:
                     draws = draws_of(buffers.chunks, visible(buffers.chunks.boxes, clip), seen_from.eye)
                 uniforms_of_surface = self._surface.uniforms if self._coloured else None
-                draw_chunks(vertices, buffers, draws, uniforms_of_surface, emits=self._emits)
+                _draw_chunks(vertices, buffers, draws, uniforms_of_surface, emits=self._emits)
             self._draw_background()
             gl.depth_func = "<"
         onto.viewport = (0, 0, *onto.size)
@@ -653,7 +653,7 @@ class ScenePasses(Owner):
         return world_from_ndc(view)
 
 
-def draw_chunks(
+def _draw_chunks(
     vertices: moderngl.VertexArray, buffers: SceneBuffers, draws: Draws, uniforms: Uniforms | None, *, emits: bool
 ) -> None:
     """Draw chunks. uniforms: where textures are sampled, on unit 0. emits: emission too."""
@@ -667,8 +667,8 @@ def draw_chunks(
         if uniforms is not None:
             batch.texture.use(0)
             if emits:
-                batch.emission[0].use(EMISSION_UNIT)
-                uniforms.set(emission=EMISSION_UNIT, emission_factor=batch.emission[1])
+                batch.emission[0].use(_EMISSION_UNIT)
+                uniforms.set(emission=_EMISSION_UNIT, emission_factor=batch.emission[1])
         for first, count in spans:
             vertices.render(moderngl.TRIANGLES, vertices=count, first=first)
 
@@ -691,7 +691,7 @@ def draw_moving(
     draw.uniforms.set(clip_from_scene=clip)
     chunks = one.buffers.chunks
     draws = draws_of(chunks, visible(chunks.boxes, clip), place.eye)
-    draw_chunks(vertices, one.buffers, draws, draw.uniforms if textured else None, emits=emitting)
+    _draw_chunks(vertices, one.buffers, draws, draw.uniforms if textured else None, emits=emitting)
 
 
 def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None:

@@ -207,7 +207,7 @@ def questionnaire_rows(ratings: Ratings) -> tuple[list[Row], list[Row]]:
                 changes = (sheets["after"][score] - sheets["before"][score]).dropna().groupby(level=0).mean().to_numpy()
                 row = {**about, "score": score, "n": len(changes), **medians}
                 if len(changes):
-                    row |= dict(zip(("change", "low", "high", "level"), shift_of(changes), strict=True))
+                    row |= dict(zip(("change", "low", "high", "level"), _shift_of(changes), strict=True))
                     row["p"] = st.wilcoxon_exact(changes).p
                 twice.append(row)
     return twice, once
@@ -345,12 +345,12 @@ def _compared(table: pd.DataFrame, info: ScaleInfo, family: str, of: Comparison,
     ends = (None, None) if st.is_degenerate(values) else st.bca(values, resampling.seed, resampling.resamples)
     figures = (
         float(values.mean()), float(values.std(ddof=1)) if len(values) > 1 else None, float(np.median(values)),
-        test.w_plus, test.w_minus, test.p, st.smallest_p(test.n), st.rank_biserial(values), *shift_of(values), *ends,
+        test.w_plus, test.w_minus, test.p, st.smallest_p(test.n), st.rank_biserial(values), *_shift_of(values), *ends,
     )  # fmt: skip
     return row | dict(zip(names, figures, strict=True))
 
 
-def shift_of(values: np.ndarray) -> tuple[float, float | None, float | None, float | None]:
+def _shift_of(values: np.ndarray) -> tuple[float, float | None, float | None, float | None]:
     """Return the Hodges-Lehmann shift, its interval and level, None where that is too low."""
     shift, level = st.hodges_lehmann(values), st.attained_level(len(values))
     return (*shift, level) if level >= _LEAST_LEVEL else (shift.shift, None, None, None)
@@ -460,7 +460,7 @@ _PUBLISHED = (
 
 
 @attrs.frozen
-class Claim:
+class _Claim:
     """One published figure."""
 
     part: str = attrs.field(metadata=reads(Keys.text))
@@ -479,7 +479,7 @@ class Claims:
     """Figures of one publication."""
 
     title: str = attrs.field(metadata=reads(Keys.text))  # of the publication, for sentences
-    claims: tuple[Claim, ...]
+    claims: tuple[_Claim, ...]
     why_step: str = read_by(Keys.text, default="")  # how the step is known
 
 
@@ -491,11 +491,11 @@ def load_claims(path: Path) -> Claims:
         step, exact = data.number("step", None), tomllib.loads(text, parse_float=Decimal).get("claim", [])
         claims = []
         for table, raw in zip(data.tables("claim"), exact, strict=True):
-            found = fields_in(table, Claim)
+            found = fields_in(table, _Claim)
             if found["latency_ms"] is None and not (found["baseline"] and found["better"]):
                 raise table.fault("difference", "lacks its comparison: expected latency_ms, or baseline and better")
             last: Any = Decimal(str(raw.get("difference", 1))).as_tuple().exponent
-            claims.append(Claim(step=float(Decimal(1).scaleb(last)) if step is None else step, **found))
+            claims.append(_Claim(step=float(Decimal(1).scaleb(last)) if step is None else step, **found))
         return Claims(claims=tuple(claims), **fields_in(data, Claims))
 
     return parsed(text, path, made, _EXAMPLE)
@@ -515,7 +515,7 @@ def claims_for(path: Path | None, ratings: Ratings, options: SourceOptions) -> t
     return None, ""
 
 
-def checked(claim: Claim, rows: Sequence[Row], ratings: Ratings, scale: str) -> Row:
+def checked(claim: _Claim, rows: Sequence[Row], ratings: Ratings, scale: str) -> Row:
     """Compare a claim with the data. rows: as compared.
 
     A figure follows where the mean difference of the pairs is within one step of it, which rounding
@@ -587,7 +587,7 @@ class Correlation(NamedTuple):
     dof: int
 
 
-def within_people(x: pd.Series, y: pd.Series, who: pd.Series) -> Correlation | str:
+def _within_people(x: pd.Series, y: pd.Series, who: pd.Series) -> Correlation | str:
     """Return the correlation with Fisher's interval, or the reason why there is none."""
     from scipy.special import stdtr
 
@@ -628,7 +628,7 @@ def correlation_data(rows: pd.DataFrame, scale: str) -> dict[str, Any] | None:
             result = "measured with several sizes or steps: 'study measure' with one --size makes them alike"
         else:
             own = rated[rated[name].notna()]
-            result = within_people(own[name], worse[own.index], own["participant"])
+            result = _within_people(own[name], worse[own.index], own["participant"])
         if isinstance(result, str):
             left_out.append([title, result])
             reasons.setdefault(result, []).append(title)

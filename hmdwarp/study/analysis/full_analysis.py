@@ -32,13 +32,13 @@ from .findings import LEAST_PEOPLE, Claims, Resampling, correlation_data, famili
 from .long_table import Ratings, ScaleInfo, SourceOptions, from_csv
 
 SCHEMA = 1
-REPORT, DATA = "report.html", "analysis.json"
+_REPORT, DATA = "report.html", "analysis.json"
 Row = dict[str, Any]
 
 
 def analysis_folder(folder: str | os.PathLike[str], *, force: bool = False) -> OutputFolder:
     """Return the folder to write an analysis to; made before the work, it checks the place."""
-    return OutputFolder(folder, owned=("tables/*.csv", REPORT, *PAPER), last=DATA, force=force)
+    return OutputFolder(folder, owned=("tables/*.csv", _REPORT, *PAPER), last=DATA, force=force)
 
 
 def write_analysis(out: OutputFolder, data: Mapping[str, Any], command: str, paper: PaperOptions | None = None) -> Path:
@@ -46,10 +46,10 @@ def write_analysis(out: OutputFolder, data: Mapping[str, Any], command: str, pap
     for name, (columns, rows) in csv_tables(data).items():
         out.write_csv(f"tables/{name}", rows, columns)
     page = study_page(data, command)
-    out.write_text(REPORT, page.html())
+    out.write_text(_REPORT, page.html())
     write_paper(out, page, paper or PaperOptions())
     out.write_json(DATA, data)
-    return out.folder / REPORT
+    return out.folder / _REPORT
 
 
 def analyse(
@@ -104,13 +104,13 @@ def _on_scale(
     lacking = table[(table["scale"] == scale) & table["value"].isna()].rename(columns={"why_missing": "why"})
     return {
         "measure": attrs.asdict(info),
-        "comparisons": [row | {"sentence": sentence_of_comparison(row, info)} for row in rows],
+        "comparisons": [row | {"sentence": _sentence_of_comparison(row, info)} for row in rows],
         "parts": [
             _part(ratings, part, scale, families, resampling)
             for part in ratings.parts()
             if len(ratings.of(part, scale))
         ],
-        "claims": [row | {"sentence": sentence_of_claim(row, claims.title, info)} for row in published if claims],
+        "claims": [row | {"sentence": _sentence_of_claim(row, claims.title, info)} for row in published if claims],
         "why_step": "" if claims is None else claims.why_step,
         "missing": lacking[["participant", "part", "condition", "session", "why"]].to_dict("records"),
         "prediction": correlation_data(table, scale),
@@ -131,12 +131,12 @@ def _part(ratings: Ratings, part: str, scale: str, families: Sequence[Family], r
         "participants": len(table),
         "conditions": findings.condition_rows(ratings, part, scale),
         "friedman": of_test,
-        "friedman_sentence": sentence_of_friedman(of_test, part),
+        "friedman_sentence": _sentence_of_friedman(of_test, part),
         "order": effects,
-        "order_sentences": sentences_of_order(effects, info),
+        "order_sentences": _sentences_of_order(effects, info),
         "places": [{"place": int(at), "rest": float(own)} for at, own in zip(rated["place"], rest, strict=True)],
         "reference": reference,
-        "reference_sentence": sentence_of_reference(reference),
+        "reference_sentence": _sentence_of_reference(reference),
     }
     if reference and reference["missed"]:
         again = findings.compared(ratings, scale, families, resampling, without={part: reference["missed"]})
@@ -175,7 +175,7 @@ def _published_analysis() -> Row:
 _LEAST_FOR_BCA = 6
 
 
-def sentence_of_comparison(row: Row, scale: ScaleInfo) -> str:
+def _sentence_of_comparison(row: Row, scale: ScaleInfo) -> str:
     """Describe a comparison. row: as findings.compared."""
     where, better, other = f"{row['part']}: " if row["part"] else "", f"'{row['condition']}'", f"'{row['baseline']}'"
     if not row["n"]:
@@ -224,7 +224,7 @@ def _verdict(row: Row, scale: ScaleInfo) -> str:
     return f"{after} {p_is(row['holm'])}: {none}: the ratings fit anything from {low} to {high} ({level})."
 
 
-def sentence_of_friedman(row: Row | None, part: str) -> str:
+def _sentence_of_friedman(row: Row | None, part: str) -> str:
     """Say whether any condition differs at all."""
     where = f"{part}: " if part else ""
     if row is None:
@@ -237,7 +237,7 @@ def sentence_of_friedman(row: Row | None, part: str) -> str:
     )
 
 
-def sentences_of_order(effects: Mapping[str, Row], scale: ScaleInfo) -> list[str]:
+def _sentences_of_order(effects: Mapping[str, Row], scale: ScaleInfo) -> list[str]:
     """Describe the effects of order. effects: as findings.order_effects."""
     reasons = {row.get("why_not", "") for row in effects.values()}
     if len(reasons) == 1 and "" not in reasons:
@@ -256,7 +256,7 @@ def sentences_of_order(effects: Mapping[str, Row], scale: ScaleInfo) -> list[str
     return said
 
 
-def sentence_of_claim(row: Row, title: str, scale: ScaleInfo) -> str:
+def _sentence_of_claim(row: Row, title: str, scale: ScaleInfo) -> str:
     """Describe a published figure against the data."""
     source, latency_ms = f"{title} ({row['where']})" if row["where"] else title, row["latency_ms"]
     if "why_not" in row:
@@ -275,7 +275,7 @@ def sentence_of_claim(row: Row, title: str, scale: ScaleInfo) -> str:
     return f"{says}: does not follow{rest}."
 
 
-def sentence_of_reference(row: Row | None) -> str:
+def _sentence_of_reference(row: Row | None) -> str:
     """Say how people rated the hidden reference among their other ratings; ties are ties."""
     if row is None:
         return "Without a hidden reference the ratings do not show who judged with care."
@@ -294,7 +294,7 @@ def sentence_of_reference(row: Row | None) -> str:
     return text
 
 
-def sentence_of_preference(row: Row) -> str:
+def _sentence_of_preference(row: Row) -> str:
     """Describe a comparison of pairs."""
     where = f"{row['part']}: " if row["part"] else ""
     given = row["for"] + row["against"] + row["neither"]
@@ -319,7 +319,7 @@ def said_of_preferences(parts: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Put its sentences into what findings.preference_results found of each part."""
     for found in parts:
         for row in found["comparisons"]:
-            row["sentence"] = sentence_of_preference(row)
+            row["sentence"] = _sentence_of_preference(row)
         chosen = counted(found["answers"] - found["ties"], "choice")
         first = f"The first of a pair was chosen {found['first']} times in {chosen}."
         said = [*(row["sentence"] for row in found["comparisons"]), first]

@@ -43,9 +43,9 @@ from ...run import EmulatedScreen, LiveOptions, Run, checked_source, on_screen
 from ...scenes import FILE_ENDINGS as SCENE_FILES
 from ..scales import PREFERENCE, QUESTIONNAIRE, RATING, Scale, load_scale
 
-ORDERS = (WILLIAMS, RANDOM, FIXED) = ("williams", "random", "fixed")
-SHOWS = (ONE, PAIR, REFERENCE_FIRST) = ("one", "pair", "reference first")
-BLIND = (BOTH, PARTICIPANT, UNBLINDED) = ("both", "participant", "nobody")
+_ORDERS = (WILLIAMS, RANDOM, FIXED) = ("williams", "random", "fixed")
+_SHOWS = (ONE, PAIR, REFERENCE_FIRST) = ("one", "pair", "reference first")
+_BLIND = (BOTH, PARTICIPANT, UNBLINDED) = ("both", "participant", "nobody")
 ONLY_PART = "main"  # name of the part in a study without [[part]]
 
 
@@ -136,12 +136,12 @@ class Design:
     seconds: float = 20.0  # a trial shows its condition for so long, or at most so long
     until_done: bool = False  # whether the participant ends a trial
     # What a trial shows before the questions.
-    shows: str = read_by(Table.word, SHOWS, default=ONE, at="trial.shows")
+    shows: str = read_by(Table.word, _SHOWS, default=ONE, at="trial.shows")
     # Presentations of each condition, or pair.
     repeats: int = read_by(Table.whole, 1, 1000, default=1, at="trial.repeats")
-    order: str = read_by(Table.word, ORDERS, default=WILLIAMS, at="trial.order")
+    order: str = read_by(Table.word, _ORDERS, default=WILLIAMS, at="trial.order")
     seed: int = read_by(Table.whole, 0, 2**63 - 1, default=0)
-    blind: str = read_by(Table.word, BLIND, default=BOTH)  # who must not see the condition
+    blind: str = read_by(Table.word, _BLIND, default=BOTH)  # who must not see the condition
     practice: Condition | None = None  # shown first and not scored
     practice_seconds: float = read_by(Table.within, 0, 3600, default=60.0, at="practice.seconds", above=True)
     breaks: Breaks = Breaks()
@@ -182,7 +182,7 @@ PICTURE = (*(option.name for option in _SETTINGS if option.study == OF_PICTURE),
 _MOST_PIXELS = 16384
 FILES = tuple(option.name for option in _SETTINGS if option.kind is Path)
 # Settings whose value may be a file, by its ending.
-NAMED_FILES = {"headset": HEADSET_FILES, "scene": SCENE_FILES}
+_NAMED_FILES = {"headset": HEADSET_FILES, "scene": SCENE_FILES}
 _NOT_SETTINGS = {option.name: option.study for option in _OPTIONS if not option.in_study}
 _NOT_SETTINGS |= dict.fromkeys(("quiet", "json"), "it is an option of a command, not of a study")
 
@@ -242,7 +242,7 @@ def resolve_paths(folder: Path, settings: Mapping[str, object], others: Sequence
     found: dict[str, object] = {}
     for key, name, value in _named(settings, others):
         found[name] = value
-        is_file = isinstance(value, str) and (name in FILES or value.lower().endswith(NAMED_FILES.get(name, ())))
+        is_file = isinstance(value, str) and (name in FILES or value.lower().endswith(_NAMED_FILES.get(name, ())))
         if is_file:
             try:
                 found[name] = str(keep_inside(folder.absolute() / str(value), folder, f"the file of {name}"))
@@ -296,7 +296,7 @@ _COMPARE = 'compare = [{ better = "warped", baseline = "late" }]'
 _Named = tuple[str, str, Callable[[str, str], KeyFault]]
 
 
-class Checker:
+class _Checker:
     """Makes and tries the settings of one condition after the other."""
 
     def __init__(self, folder: Path, common: Table, checked: bool) -> None:
@@ -376,7 +376,7 @@ def name_of(table: Table, used: Sequence[str]) -> str:
     return name
 
 
-def parts_of(data: Table, checker: Checker) -> tuple[Part, ...]:
+def parts_of(data: Table, checker: _Checker) -> tuple[Part, ...]:
     """Read [[part]] with [[part.condition]], or [[condition]] alone for a study of one part."""
     if "part" in data and "condition" in data:
         raise data.fault("condition", "beside [[part]]: expected it within one, as [[part.condition]]")
@@ -391,7 +391,7 @@ def parts_of(data: Table, checker: Checker) -> tuple[Part, ...]:
     return tuple(parts)
 
 
-def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition, ...]:
+def _conditions(within: Table, data: Table, checker: _Checker) -> tuple[Condition, ...]:
     tables = within.tables("condition")
     heading = "[[part.condition]]" if within is not data else "[[condition]]"
     if "condition" not in within:
@@ -417,7 +417,7 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
 
 def _check_trials(trial: Table, made: Sequence[Condition], heading: str) -> None:
     """Check that a part's conditions fit trials and session. heading: of a condition."""
-    order, shows = trial.word("order", ORDERS, WILLIAMS), trial.word("shows", SHOWS, ONE)
+    order, shows = trial.word("order", _ORDERS, WILLIAMS), trial.word("shows", _SHOWS, ONE)
     pairs = shows == PAIR
     if shows == REFERENCE_FIRST and not any(condition.reference for condition in made):
         raise trial.fault("shows", f'is "{shows}", and no {heading} has reference = true: expected one in each part')
@@ -454,7 +454,7 @@ def _combined_name(table: Table, chosen: Mapping[str, object], used: Sequence[st
         if isinstance(value, bool):
             words.append(key if value else f"no-{key}")
         elif isinstance(value, str):
-            is_file = value.lower().endswith((".toml", *NAMED_FILES.get(key, ())))
+            is_file = value.lower().endswith((".toml", *_NAMED_FILES.get(key, ())))
             words.append(re.sub(r"[^\w.+]+", "-", PurePath(value).stem if is_file else value).strip("-"))
         else:
             words.append(f"{key}{value}")
@@ -467,7 +467,7 @@ def _combined_name(table: Table, chosen: Mapping[str, object], used: Sequence[st
     return name
 
 
-def families_of(data: Table, parts: tuple[Part, ...]) -> tuple[Family, ...]:
+def _families_of(data: Table, parts: tuple[Part, ...]) -> tuple[Family, ...]:
     """Read [[family]], each with comparisons of conditions of one part."""
     made: list[Family] = []
     for table in data.tables("family"):
@@ -524,13 +524,13 @@ def _pairs(table: Table) -> Iterator[_Named]:
         yield pair[0], pair[1], fault
 
 
-PRACTICE = "practice"
+_PRACTICE = "practice"
 UNTIL_DONE, LONGEST_S = "until done", 600.0
 _MOST_ASKED = 3  # questions of a questionnaire after each trial
 _PRACTICE_DEFAULTS = {"latency": 0, "warp": "none", "fill": "none"}
 
 
-def scale_at(table: Table, key: str, name: str, folder: Path, *within: int) -> Scale:
+def _scale_at(table: Table, key: str, name: str, folder: Path, *within: int) -> Scale:
     """Load a shipped scale, or a .toml file next to the study's. Errors: KeyFault."""
     try:
         return load_scale(str(folder / name), folder) if name.endswith(".toml") else load_scale(name)
@@ -538,12 +538,12 @@ def scale_at(table: Table, key: str, name: str, folder: Path, *within: int) -> S
         raise table.fault(key, f"has '{name}': {error}", *within) from error
 
 
-def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = False) -> tuple[Scale, ...]:
+def _scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = False) -> tuple[Scale, ...]:
     """Load the scales of a list: questionnaires before or after, or what follows each trial."""
     names = table.texts(key, ()) if questionnaires else table.texts(key)
     made: list[Scale] = []
     for number, name in enumerate(names):
-        scale = scale_at(table, key, name, folder, number)
+        scale = _scale_at(table, key, name, folder, number)
         if not questionnaires and scale.kind == QUESTIONNAIRE and (scale.scores or len(scale.items) > _MOST_ASKED):
             found = f"has '{name}', a questionnaire of {len(scale.items)} items{' with scores' if scale.scores else ''}"
             wanted = f"expected a scale that takes a moment, {_MOST_ASKED} questions at most and no scores"
@@ -565,7 +565,7 @@ def _check_kinds(trial: Table, key: str, made: list[Scale]) -> None:
     """Check that the scales after a trial fit what it shows."""
     names = ", ".join(scale.name for scale in made)
     preferences = [scale for scale in made if scale.kind == PREFERENCE]
-    shows = trial.word("shows", SHOWS, ONE)
+    shows = trial.word("shows", _SHOWS, ONE)
     if shows == PAIR:
         if len(preferences) != 1 or any(scale.kind not in (PREFERENCE, QUESTIONNAIRE) for scale in made):
             wanted = f"expected one scale of kind {PREFERENCE}, such as preference, and perhaps a short questionnaire"
@@ -596,22 +596,22 @@ def length_of(trial: Table) -> tuple[float, bool]:
     return trial.within("seconds", 0, 3600, 20.0, above=True), False
 
 
-def practice_of(data: Table, checker: Checker) -> Condition | None:
+def _practice_of(data: Table, checker: _Checker) -> Condition | None:
     """Return the practice, None without its table; it looks like [common], without a warp."""
-    if PRACTICE not in data:
+    if _PRACTICE not in data:
         return None
-    table, others = data.table(PRACTICE), ("seconds",)
+    table, others = data.table(_PRACTICE), ("seconds",)
     own = {key: value for key, value in _all_of(table).items() if key not in others}
-    settings = checker.settings(table, own, PRACTICE, beneath=_PRACTICE_DEFAULTS, only=PICTURE, others=others)
-    return Condition(PRACTICE, settings)
+    settings = checker.settings(table, own, _PRACTICE, beneath=_PRACTICE_DEFAULTS, only=PICTURE, others=others)
+    return Condition(_PRACTICE, settings)
 
 
-def sickness_of(data: Table, folder: Path) -> Sickness | None:
+def _sickness_of(data: Table, folder: Path) -> Sickness | None:
     """Return the sickness rule, None without [sickness]."""
     if "sickness" not in data:
         return None
     table = data.table("sickness")
-    scale = scale_at(table, "scale", table.text("scale"), folder)
+    scale = _scale_at(table, "scale", table.text("scale"), folder)
     if scale.kind == QUESTIONNAIRE:
         found = f"has '{scale.name}', a questionnaire of {len(scale.items)} items"
         raise table.fault("scale", f"{found}: expected a scale that takes a moment")
@@ -626,7 +626,7 @@ def sickness_of(data: Table, folder: Path) -> Sickness | None:
     return Sickness(scale, **fields_in(table, Sickness), stop_at=stop_at, rise=rise)
 
 
-def consent_of(data: Table, folder: Path) -> Consent | None:
+def _consent_of(data: Table, folder: Path) -> Consent | None:
     """Return the consent, None without [consent]; its text is there or in a file next to it."""
     if "consent" not in data:
         return None
@@ -670,7 +670,7 @@ def _text_of(table: Table, folder: Path) -> str:
 
 
 ENDINGS = (".png", ".jpg", ".jpeg")
-PNG_OR_JPEG = attrs.evolve(PICTURE_FILE, what="a PNG or JPEG file")
+_PNG_OR_JPEG = attrs.evolve(PICTURE_FILE, what="a PNG or JPEG file")
 
 
 def open_picture(path: Path | str, folder: Path | None = None) -> Image:
@@ -678,7 +678,7 @@ def open_picture(path: Path | str, folder: Path | None = None) -> Image:
     from PIL import Image
 
     try:
-        with opened(path, PNG_OR_JPEG, folder) as plain, Image.open(plain) as file:
+        with opened(path, _PNG_OR_JPEG, folder) as plain, Image.open(plain) as file:
             return file.convert("RGBA")
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
         raise InputError(f"no picture ({error}): expected a PNG or JPEG file") from error
@@ -729,10 +729,10 @@ def design_from_text(text: str, path: str, *, checked: bool = True) -> Design:
         if (schema := data.whole("schema", 0, 2**31)) != SCHEMA:
             raise data.fault("schema", f"is {schema}: expected {SCHEMA}, which this version of hmdwarp reads")
         trial = data.table("trial")
-        checker = Checker(folder, data.table("common") if "common" in data else Table({}), checked)
-        scales, sickness = scales_of(trial, "scales", folder), sickness_of(data, folder)
+        checker = _Checker(folder, data.table("common") if "common" in data else Table({}), checked)
+        scales, sickness = _scales_of(trial, "scales", folder), _sickness_of(data, folder)
         asked = data.table("questionnaires") if "questionnaires" in data else Table({})
-        before, after = (scales_of(asked, key, folder, questionnaires=True) for key in ("before", "after"))
+        before, after = (_scales_of(asked, key, folder, questionnaires=True) for key in ("before", "after"))
         if sickness is not None and sickness.scale.name in [scale.name for scale in scales]:
             found = f"has '{sickness.scale.name}', which is also that of [sickness]: leave it out of one of them"
             raise trial.fault("scales", found)
@@ -743,15 +743,15 @@ def design_from_text(text: str, path: str, *, checked: bool = True) -> Design:
             **fields_in(data, Design),
             parts=parts,
             scales=scales,
-            families=families_of(data, parts),
+            families=_families_of(data, parts),
             seconds=seconds,
             until_done=until_done,
-            practice=practice_of(data, checker),
+            practice=_practice_of(data, checker),
             breaks=Breaks(**fields_in(data.table("breaks"), Breaks)) if "breaks" in data else Breaks(),
             sickness=sickness,
             before=before,
             after=after,
-            consent=consent_of(data, folder),
+            consent=_consent_of(data, folder),
             instructions=page_of(data, "instructions", "Instructions", folder, checked),
             ready=page_of(data, "ready", "Ready?", folder, checked),
             thanks=page_of(data, "thanks", "Thank you", folder, checked),
@@ -763,7 +763,7 @@ def design_from_text(text: str, path: str, *, checked: bool = True) -> Design:
     return parsed(text, path, made, _EXAMPLE)
 
 
-TEMPLATE = Path(__file__).parent / "plan_template.toml"
+_TEMPLATE = Path(__file__).parent / "plan_template.toml"
 
 
 def write_new_plan(name: str, folder: Path, *, force: bool = False) -> Path:
@@ -775,5 +775,5 @@ def write_new_plan(name: str, folder: Path, *, force: bool = False) -> Path:
         raise InputError(f"study name {quoted(name)}: {NAME_WANTED}, without .toml")
     path = folder / f"{name}.toml"
     refuse_existing(path, force=force)
-    write_text(path, TEMPLATE.read_text(encoding="utf-8").format(name=name))
+    write_text(path, _TEMPLATE.read_text(encoding="utf-8").format(name=name))
     return path

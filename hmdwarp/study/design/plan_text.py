@@ -127,12 +127,12 @@ def _asks(scale: Scale, key: str, phase: str, trial: int = 0, about: str = "") -
 
 # Estimates in seconds: an answer by keys after a look at the scale, an item of a list, a word to
 # read.
-ANSWER_S, ITEM_S, WORD_S = 6.0, 4.0, 0.3
+_ANSWER_S, _ITEM_S, WORD_S = 6.0, 4.0, 0.3
 ALPHA = 0.05
 
 
 @attrs.frozen
-class SessionPhase:
+class _SessionPhase:
     """Phase of a session, such as the trials or the questionnaires before them."""
 
     name: str
@@ -153,7 +153,7 @@ class Balance:
     repeated: int  # how often a condition follows itself across two repeats
 
 
-def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
+def session_phases(design: Design, part: str) -> tuple[_SessionPhase, ...]:
     """Return the phases of a session of that part, from beginning to end."""
     trials, every = trials_of(design, part), design.breaks.every
     asked = [scale.name for scale in design.scales]
@@ -183,7 +183,7 @@ def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
     for step in steps_of(design, (presented(design, part),) * design.repeats, part):
         found[_phase(step)].append(step)
     return tuple(
-        SessionPhase(name, content[name], len(of), sum(map(expected_s, of)), name == "trials" and design.until_done)
+        _SessionPhase(name, content[name], len(of), sum(map(_expected_s, of)), name == "trials" and design.until_done)
         for name, of in found.items()
         if of
     )
@@ -201,12 +201,12 @@ def _phase(step: Step) -> str:
     return {Read: "consent", PageStep: "instructions", Pause: "breaks"}[type(step)]
 
 
-def expected_s(step: Step) -> float:
+def _expected_s(step: Step) -> float:
     """Return the expected duration of a step, and the longest of one that the participant ends."""
     if isinstance(step, Show | Pause):
         return step.seconds
     if isinstance(step, Ask):
-        return ITEM_S if step.scale.kind == QUESTIONNAIRE else ANSWER_S
+        return _ITEM_S if step.scale.kind == QUESTIONNAIRE else _ANSWER_S
     return reading_s(step.text if isinstance(step, Read) else step.page.text)
 
 

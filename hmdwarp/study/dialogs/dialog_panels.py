@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 # here, letters of 28 pixels are 12 high.
 WIDTH, PAD = 680, 22
 SMALL, TEXT, LARGE, HUGE = 24, 28, 32, 44  # letter heights in pixels
-FULL, DIM, GROUND = 255, 120, 36  # as bright on a screen as 255, 182 and 104 of sRGB
-LINE = 1.3  # distance between rows of text, in letter heights
-PICTURE_HIGH = 420  # most rows of a picture: more would not fit a headset's eye with title and buttons
+FULL, _DIM, GROUND = 255, 120, 36  # as bright on a screen as 255, 182 and 104 of sRGB
+_LINE = 1.3  # distance between rows of text, in letter heights
+_PICTURE_HIGH = 420  # most rows of a picture: more would not fit a headset's eye with title and buttons
 
 
 @functools.cache
@@ -68,18 +68,18 @@ def wrapped(text: str, px: int, width: float) -> tuple[str, ...]:
     return tuple(rows)
 
 
-def height_of(rows: int, px: int) -> int:
+def _height_of(rows: int, px: int) -> int:
     """Return the height of that many rows of text."""
-    return round(rows * LINE * px)
+    return round(rows * _LINE * px)
 
 
 @functools.lru_cache(8)
-def picture_light(path: str) -> NDArray[np.uint8]:
+def _picture_light(path: str) -> NDArray[np.uint8]:
     """Load a picture as large as a panel takes it: (h, w, 3) linear light, top row first."""
     from PIL import Image
 
     shown = open_picture(path)
-    shown.thumbnail((WIDTH - 2 * PAD, PICTURE_HIGH), Image.Resampling.LANCZOS)
+    shown.thumbnail((WIDTH - 2 * PAD, _PICTURE_HIGH), Image.Resampling.LANCZOS)
     ground = Image.new("RGBA", shown.size, "black")
     srgb = np.asarray(Image.alpha_composite(ground, shown).convert("RGB"), np.float64) / 255
     return np.round(linear_from_srgb(srgb) * 255).astype(np.uint8)
@@ -103,11 +103,11 @@ class Canvas:
     ) -> float:
         """Draw line under line. Returns where the next thing may begin."""
         for number, row in enumerate(rows):
-            self.text(x, y + height_of(number, px), row, px, ink, anchor)
-        return y + height_of(len(rows), px)
+            self.text(x, y + _height_of(number, px), row, px, ink, anchor)
+        return y + _height_of(len(rows), px)
 
     def box(self, left: float, top: float, right: float, bottom: float, *, marked: bool) -> None:
-        fill, outline, width = (GROUND, FULL, 4) if marked else (None, DIM, 2)
+        fill, outline, width = (GROUND, FULL, 4) if marked else (None, _DIM, 2)
         self._draw.rounded_rectangle((left, top, right, bottom), 8, fill=fill, outline=outline, width=width)
 
     def line(self, x: float, y: float, to_x: float, to_y: float, ink: int = FULL, width: int = 2) -> None:
@@ -148,10 +148,10 @@ ACTING_CONTROLS: tuple[Control, ...] = (
 CONTROLS = tuple(attrs.evolve(each, buttons=()) if each in _ACTING else each for each in ACTING_CONTROLS)
 
 
-BUTTON_HIGH = round(1.5 * LARGE)
+_BUTTON_HIGH = round(1.5 * LARGE)
 GAP = 12
 
-Choices = tuple[tuple[str, str], ...]  # (name, text) of buttons
+_Choices = tuple[tuple[str, str], ...]  # (name, text) of buttons
 
 
 @attrs.frozen
@@ -194,7 +194,7 @@ CONTROLLERS = InputHints(
 FOLLOWING = "The view moves by itself: watch it."
 
 
-def picking_hint(hints: InputHints) -> str:
+def _picking_hint(hints: InputHints) -> str:
     """Return the hint under buttons."""
     return f"{hints.pick}: choose\n{hints.confirm}: confirm"
 
@@ -217,17 +217,17 @@ class Button:
 
     @property
     def bottom(self) -> float:
-        return self.top + BUTTON_HIGH
+        return self.top + _BUTTON_HIGH
 
     def draw(self, canvas: Canvas, marked: bool, dim: bool = False) -> None:
         """Draw the button. marked: the current choice. dim: for the mouse alone."""
         canvas.box(self.left, self.top, self.right, self.bottom, marked=marked)
         x, y, room = (self.left + self.right) / 2, (self.top + self.bottom) / 2, self.right - self.left - 16
         px = next((px for px in (28, 24, 20) if width_of(self.text, px) <= room), 18)
-        canvas.text(x, y, self.text, px, DIM if dim else FULL, "mm")
+        canvas.text(x, y, self.text, px, _DIM if dim else FULL, "mm")
 
 
-def row_of(choices: Choices, top: float) -> tuple[Button, ...]:
+def row_of(choices: _Choices, top: float) -> tuple[Button, ...]:
     """Lay out buttons side by side over the whole width."""
     each = (WIDTH - 2 * PAD - GAP * (len(choices) - 1)) / max(len(choices), 1)
     return tuple(
@@ -236,9 +236,9 @@ def row_of(choices: Choices, top: float) -> tuple[Button, ...]:
     )
 
 
-def column_of(choices: Choices, top: float) -> tuple[Button, ...]:
+def column_of(choices: _Choices, top: float) -> tuple[Button, ...]:
     """Lay out buttons one under the other."""
-    down = BUTTON_HIGH + GAP
+    down = _BUTTON_HIGH + GAP
     return tuple(Button(name, text, PAD, top + k * down, WIDTH - PAD) for k, (name, text) in enumerate(choices))
 
 
@@ -247,25 +247,25 @@ def button_at(buttons: tuple[Button, ...], x: float, y: float) -> str:
     return next((one.name for one in buttons if one.left <= x <= one.right and one.top <= y <= one.bottom), "")
 
 
-def draw_footer(canvas: Canvas, y: float, note: str, hint: str) -> None:
+def _draw_footer(canvas: Canvas, y: float, note: str, hint: str) -> None:
     """Draw the note in full ink, or else the hint, at the foot of a panel."""
-    canvas.rows(y, wrapped(note or hint, SMALL, WIDTH - 2 * PAD), SMALL, FULL if note else DIM)
+    canvas.rows(y, wrapped(note or hint, SMALL, WIDTH - 2 * PAD), SMALL, FULL if note else _DIM)
 
 
-def footer_height(hint: str) -> int:
+def _footer_height(hint: str) -> int:
     """Return the room for the hint and for any note of two lines, so that the panel never jumps."""
-    return height_of(max(2, len(wrapped(hint, SMALL, WIDTH - 2 * PAD))), SMALL)
+    return _height_of(max(2, len(wrapped(hint, SMALL, WIDTH - 2 * PAD))), SMALL)
 
 
 LEFT, RIGHT = PAD + 36.0, WIDTH - PAD - 36.0
-LABEL_APART, TICK_APART = 14, 6  # least pixels between two numbers, and between two ticks
+_LABEL_APART, TICK_APART = 14, 6  # least pixels between two numbers, and between two ticks
 MOST_ROWS = 3  # of an anchor's words
 LISTED = 12  # most values of a list
-ROW = 40  # height of a list's row
+_ROW = 40  # height of a list's row
 
 
 @attrs.frozen
-class ScaleForm(Stepped):
+class _ScaleForm(Stepped):
     """The part of a scale that is drawn."""
 
     least: float
@@ -276,11 +276,11 @@ class ScaleForm(Stepped):
 
 
 @functools.lru_cache(32)
-def layout_of(form: ScaleForm) -> Layout:
+def layout_of(form: _ScaleForm) -> Layout:
     """Choose a line where the anchors fit, else a list, else a line with its ends named."""
     placed = None if form.listed else _placed(form)
     if placed is None and form.last < LISTED:
-        return ListLayout(form)
+        return _ListLayout(form)
     if placed is None:
         ends = tuple((value, words) for value, words in form.anchors if value in (form.least, form.most))
         placed = _placed(attrs.evolve(form, anchors=ends)) or ()
@@ -288,7 +288,7 @@ def layout_of(form: ScaleForm) -> Layout:
 
 
 @attrs.frozen
-class Placed:
+class _Placed:
     """Anchor of a line with its place."""
 
     value: float
@@ -297,12 +297,12 @@ class Placed:
     row: int  # 0 or 1: of the two rows of anchors
 
 
-def x_of(form: ScaleForm, value: float) -> float:
+def _x_of(form: _ScaleForm, value: float) -> float:
     """Return the place of a value on the line."""
     return LEFT + (RIGHT - LEFT) * (value - form.least) / (form.most - form.least)
 
 
-def _placed(form: ScaleForm) -> tuple[Placed, ...] | None:
+def _placed(form: _ScaleForm) -> tuple[_Placed, ...] | None:
     """Place the anchors in one row or in two alternating ones; None where they still overlap."""
     for rows in (1, 2):
         found = [_row(form, form.anchors[first::rows], first) for first in range(rows)]
@@ -311,9 +311,9 @@ def _placed(form: ScaleForm) -> tuple[Placed, ...] | None:
     return None
 
 
-def _row(form: ScaleForm, anchors: tuple[tuple[float, str], ...], number: int) -> list[Placed] | None:
+def _row(form: _ScaleForm, anchors: tuple[tuple[float, str], ...], number: int) -> list[_Placed] | None:
     """Place each anchor within half the way to its neighbours, or up to the edge of the panel."""
-    placed, xs = [], [x_of(form, value) for value, _ in anchors]
+    placed, xs = [], [_x_of(form, value) for value, _ in anchors]
     for k, (value, words) in enumerate(anchors):
         low = PAD if k == 0 else (xs[k - 1] + xs[k]) / 2 + 5
         high = WIDTH - PAD if k == len(xs) - 1 else (xs[k] + xs[k + 1]) / 2 - 5
@@ -322,7 +322,7 @@ def _row(form: ScaleForm, anchors: tuple[tuple[float, str], ...], number: int) -
         if len(lines) > MOST_ROWS or cut:
             return None
         half = max(width_of(line, SMALL) for line in lines) / 2 if lines else 0
-        placed.append(Placed(value, lines, min(max(xs[k], low + half), high - half), number))
+        placed.append(_Placed(value, lines, min(max(xs[k], low + half), high - half), number))
     return placed
 
 
@@ -331,14 +331,14 @@ class LineLayout:
 
     downwards = False
 
-    def __init__(self, form: ScaleForm, placed: tuple[Placed, ...]) -> None:
+    def __init__(self, form: _ScaleForm, placed: tuple[_Placed, ...]) -> None:
         self._form, self._placed = form, placed
         self._line = HUGE + 34
         self._numbers = self._line + 14
-        below = self._numbers + height_of(1, SMALL) + 4
+        below = self._numbers + _height_of(1, SMALL) + 4
         rows = [max((len(anchor.lines) for anchor in placed if anchor.row == row), default=0) for row in (0, 1)]
-        self._rows = (below, below + height_of(rows[0], SMALL) + 4)
-        self.height = self._rows[0] + sum(height_of(count, SMALL) + 4 for count in rows if count)
+        self._rows = (below, below + _height_of(rows[0], SMALL) + 4)
+        self.height = self._rows[0] + sum(_height_of(count, SMALL) + 4 for count in rows if count)
         self._ticks, self._labels = _ticks(form)
 
     def value_at(self, x: float, y: float) -> float | None:
@@ -352,23 +352,23 @@ class LineLayout:
         y = top + self._line
         canvas.line(LEFT, y, RIGHT, y, width=3)
         for tick in self._ticks:
-            x, long = x_of(self._form, tick), tick in self._labels
-            canvas.line(x, y - (9 if long else 5), x, y + (9 if long else 5), FULL if long else DIM)
+            x, long = _x_of(self._form, tick), tick in self._labels
+            canvas.line(x, y - (9 if long else 5), x, y + (9 if long else 5), FULL if long else _DIM)
         for label in self._labels:
-            canvas.text(x_of(self._form, label), top + self._numbers, number_text(label), SMALL, DIM, "ma")
+            canvas.text(_x_of(self._form, label), top + self._numbers, number_text(label), SMALL, _DIM, "ma")
         for anchor in self._placed:
-            ink = FULL if value is None or anchor.value == value else DIM
+            ink = FULL if value is None or anchor.value == value else _DIM
             canvas.rows(top + self._rows[anchor.row], anchor.lines, SMALL, ink, anchor.x, "ma")
         if value is not None:
-            x, text = x_of(self._form, value), typed or number_text(value)
+            x, text = _x_of(self._form, value), typed or number_text(value)
             half = width_of(text, HUGE) / 2
             canvas.text(min(max(x, PAD + half), WIDTH - PAD - half), top, text, HUGE, FULL, "ma")
             canvas.pointer(x, y - 4, 24)
         elif typed:
-            canvas.text(WIDTH / 2, top, f"{typed}_", HUGE, DIM, "ma")
+            canvas.text(WIDTH / 2, top, f"{typed}_", HUGE, _DIM, "ma")
 
 
-def _ticks(form: ScaleForm) -> tuple[list[float], frozenset[float]]:
+def _ticks(form: _ScaleForm) -> tuple[list[float], frozenset[float]]:
     """Return the values with a tick, and those with a number: round ones, as many as fit."""
 
     def is_round(number: float) -> bool:  # 1, 2, 2.5 or 5 times a power of ten
@@ -377,7 +377,7 @@ def _ticks(form: ScaleForm) -> tuple[list[float], frozenset[float]]:
     strides = [k for k in range(1, form.last + 1) if form.last % k == 0 and is_round(k * form.step)] or [form.last]
     apart = (RIGHT - LEFT) / form.last
     numbers = (form.least, form.most, form.least + form.step)
-    widest = max(width_of(number_text(value), SMALL) for value in numbers) + LABEL_APART
+    widest = max(width_of(number_text(value), SMALL) for value in numbers) + _LABEL_APART
     stride = next((k for k in strides if k * apart >= widest), form.last)
     # 1, 2, 3 rather than 1, 1.5, 2
     whole = next((k for k in strides if k * form.step >= 1 - 1e-9 and k * apart >= widest), stride)
@@ -386,37 +386,37 @@ def _ticks(form: ScaleForm) -> tuple[list[float], frozenset[float]]:
     return list(values[::fine]), frozenset(values[::whole])
 
 
-class ListLayout:
+class _ListLayout:
     """List with a row for each value: its number and its words."""
 
     downwards = True
 
-    def __init__(self, form: ScaleForm) -> None:
+    def __init__(self, form: _ScaleForm) -> None:
         self._form, self._words = form, dict(form.anchors)
-        self.height = ROW * (form.last + 1)
+        self.height = _ROW * (form.last + 1)
 
     def value_at(self, x: float, y: float) -> float | None:
-        number = math.floor(y / ROW)
+        number = math.floor(y / _ROW)
         return self._form.values()[number] if 0 <= number <= self._form.last and 0 <= x <= WIDTH else None
 
     def draw(self, canvas: Canvas, top: float, value: float | None, typed: str) -> None:
         """Draw the scale, as LineLayout.draw; words that do not fit are cut."""
         for number, own in enumerate(self._form.values()):
-            y, marked = top + number * ROW, own == value
+            y, marked = top + number * _ROW, own == value
             if marked:
-                canvas.box(PAD / 2, y, WIDTH - PAD / 2, y + ROW - 2, marked=True)
-            ink = FULL if marked or value is None else DIM
-            canvas.text(PAD + 44, y + ROW / 2, number_text(own), TEXT, ink, "rm")
+                canvas.box(PAD / 2, y, WIDTH - PAD / 2, y + _ROW - 2, marked=True)
+            ink = FULL if marked or value is None else _DIM
+            canvas.text(PAD + 44, y + _ROW / 2, number_text(own), TEXT, ink, "rm")
             first, *more = wrapped(self._words.get(own, ""), TEXT, WIDTH - 2 * PAD - 64) or ("",)
-            canvas.text(PAD + 64, y + ROW / 2, f"{first} ..." if more else first, TEXT, ink, "lm")
+            canvas.text(PAD + 64, y + _ROW / 2, f"{first} ..." if more else first, TEXT, ink, "lm")
 
 
-Layout = LineLayout | ListLayout  # of a scale in pixels, y down from its top
+Layout = LineLayout | _ListLayout  # of a scale in pixels, y down from its top
 
 
-SKIP, YES, BACK = "skip", "yes", "back"
-SKIPPING = {SKIP: True, BACK: False}  # buttons that begin and end it
-TAKE_BACK = ((BACK, "back to the scale"), (YES, "leave it unanswered"))
+SKIP, _YES, BACK = "skip", "yes", "back"
+_SKIPPING = {SKIP: True, BACK: False}  # buttons that begin and end it
+_TAKE_BACK = ((BACK, "back to the scale"), (_YES, "leave it unanswered"))
 
 
 @attrs.frozen(cache_hash=True)
@@ -425,7 +425,7 @@ class MessagePanel:
 
     title: str = ""
     lines: tuple[str, ...] = ()  # of the text, already wrapped
-    choices: Choices = ()  # buttons
+    choices: _Choices = ()  # buttons
     marked: int | None = None  # the current choice, None for none yet
     hint: str = ""
     note: str = ""  # shown in place of the hint
@@ -443,12 +443,12 @@ class MessagePanel:
         return wrapped(self.title, LARGE, WIDTH - 2 * PAD)
 
     def _text_top(self) -> int:
-        return PAD // 2 + (height_of(len(self._titles()), LARGE) + 8 if self.title else 0)
+        return PAD // 2 + (_height_of(len(self._titles()), LARGE) + 8 if self.title else 0)
 
     def _text_end(self) -> int:
         if self.picture:
-            return self._text_top() + int(picture_light(self.picture).shape[0])
-        return self._text_top() + height_of(max(len(self.lines), self.least_lines), TEXT)
+            return self._text_top() + int(_picture_light(self.picture).shape[0])
+        return self._text_top() + _height_of(max(len(self.lines), self.least_lines), TEXT)
 
     def _buttons(self) -> tuple[Button, ...]:
         top, end = self._text_top(), self._text_end()
@@ -459,7 +459,7 @@ class MessagePanel:
         return buttons[-1].bottom + GAP if buttons else self._text_end()
 
     def height(self) -> int:
-        return round(self._foot() + (footer_height(self.hint) if self.hint or self.note else 0) + PAD // 2)
+        return round(self._foot() + (_footer_height(self.hint) if self.hint or self.note else 0) + PAD // 2)
 
     def ink(self) -> NDArray[np.uint8]:
         """Draw the panel, (h, w), with a picture (h, w, 3); top row first."""
@@ -468,10 +468,10 @@ class MessagePanel:
         canvas.rows(top, self.lines, TEXT)
         for number, button in enumerate(self._buttons()):
             button.draw(canvas, marked=number == self.marked)
-        draw_footer(canvas, self._foot(), self.note, self.hint)
+        _draw_footer(canvas, self._foot(), self.note, self.hint)
         if not self.picture:
             return canvas.ink()
-        light, whole = picture_light(self.picture), np.repeat(canvas.ink()[..., None], 3, axis=2)
+        light, whole = _picture_light(self.picture), np.repeat(canvas.ink()[..., None], 3, axis=2)
         h, w = light.shape[:2]
         whole[top : top + h, (WIDTH - w) // 2 : (WIDTH - w) // 2 + w] = light
         return whole
@@ -486,7 +486,7 @@ def message_panel(title: str, text: str = "", hint: str = "") -> MessagePanel:
     return MessagePanel(title, wrapped(text, TEXT, WIDTH - 2 * PAD), hint=hint)
 
 
-def heading_of(ask: Ask, again: bool) -> str:
+def _heading_of(ask: Ask, again: bool) -> str:
     """Return which trial the question is about, or which item of how many it is."""
     items, more = ask.scale.items, ", once more" if again else ""
     if len(items) > 1:
@@ -501,7 +501,7 @@ class QuestionPanel:
 
     heading: str  # small lines ("item 3 of 16")
     text: str  # the question
-    form: ScaleForm
+    form: _ScaleForm
     value: float | None = None  # where the marker is, None for nowhere
     typed: str = ""  # digits so far
     skipping: bool = False  # whether the participant is leaving it unanswered
@@ -517,15 +517,15 @@ class QuestionPanel:
         return wrapped(self.heading, SMALL, WIDTH - 2 * PAD) if self.heading else ()
 
     def _scale_top(self) -> int:
-        head = height_of(len(self._headings()), SMALL) if self.heading else 0
-        return PAD // 2 + head + height_of(len(self._lines()), LARGE) + 6
+        head = _height_of(len(self._headings()), SMALL) if self.heading else 0
+        return PAD // 2 + head + _height_of(len(self._lines()), LARGE) + 6
 
     def _foot(self) -> int:
         return self._scale_top() + layout_of(self.form).height + 10
 
     def height(self) -> int:
-        buttons = row_of(TAKE_BACK, 0)[0].bottom + GAP if self.hints.mouse or self.skipping else 0
-        return round(self._foot() + buttons + footer_height(self._hint()) + PAD // 2)
+        buttons = row_of(_TAKE_BACK, 0)[0].bottom + GAP if self.hints.mouse or self.skipping else 0
+        return round(self._foot() + buttons + _footer_height(self._hint()) + PAD // 2)
 
     def _hint(self) -> str:
         hints = self.hints
@@ -536,7 +536,7 @@ class QuestionPanel:
 
     def _buttons(self) -> tuple[Button, ...]:
         if self.skipping:
-            return row_of(TAKE_BACK, self._foot())
+            return row_of(_TAKE_BACK, self._foot())
         if not self.hints.mouse:
             return ()
         whole = row_of(((SKIP, "cannot say"),), self._foot())[0]
@@ -545,13 +545,13 @@ class QuestionPanel:
     def ink(self) -> NDArray[np.uint8]:
         """Draw the panel, (h, w), top row first."""
         canvas = Canvas(self.height())
-        y = canvas.rows(PAD // 2, self._headings(), SMALL, DIM)
+        y = canvas.rows(PAD // 2, self._headings(), SMALL, _DIM)
         canvas.rows(y, self._lines(), LARGE)
         layout_of(self.form).draw(canvas, self._scale_top(), self.value, self.typed)
         buttons = self._buttons()
         for button in buttons:
-            button.draw(canvas, marked=button.name == YES, dim=button.name == SKIP)
-        draw_footer(canvas, buttons[0].bottom + GAP if buttons else self._foot(), self.note, self._hint())
+            button.draw(canvas, marked=button.name == _YES, dim=button.name == SKIP)
+        _draw_footer(canvas, buttons[0].bottom + GAP if buttons else self._foot(), self.note, self._hint())
         return canvas.ink()
 
     def value_at(self, u: float, v: float) -> float | None:
@@ -576,19 +576,19 @@ TEXTS = {
 }
 OFFERED = (CONTINUE, BREAK, AGAIN, STOP)
 SURE = (("no", "no, go on"), ("yes", "yes, end it"))
-SURE_TO_REFUSE = (("no", "no, back to the text"), ("yes", "yes, end here"))
+_SURE_TO_REFUSE = (("no", "no, back to the text"), ("yes", "yes, end here"))
 
 ROWS = 9  # of a page; a headset's eye cannot see more at once (display/present.py)
 ON, DONE, AGREE, REFUSE = "on", "done", "agree", "refuse"
-DECLINE = "decline"  # the experimenter's REFUSE, confirmed at the console
+_DECLINE = "decline"  # the experimenter's REFUSE, confirmed at the console
 _ON, _BACK = (ON, "next page"), (BACK, "page before")
-CONTROLS_OF_BUTTONS = frozenset({"left", "right", "up", "down", "confirm", "point", "press"})
+_CONTROLS_OF_BUTTONS = frozenset({"left", "right", "up", "down", "confirm", "point", "press"})
 
 
-class ButtonPicker:
+class _ButtonPicker:
     """One of several buttons, while it is being chosen."""
 
-    def __init__(self, choices: Choices, marked: int | None, panel: Callable[[], MessagePanel]) -> None:
+    def __init__(self, choices: _Choices, marked: int | None, panel: Callable[[], MessagePanel]) -> None:
         self.choices = choices
         self.marked = marked  # the current choice, None for none yet
         self.picked = ""  # name of the confirmed choice
@@ -596,7 +596,7 @@ class ButtonPicker:
 
     def handle(self, command: Command) -> bool:
         """Carry out the command. Returns whether it was one for buttons."""
-        if command.control not in CONTROLS_OF_BUTTONS:
+        if command.control not in _CONTROLS_OF_BUTTONS:
             return False
         last = len(self.choices) - 1
         match command.control:
@@ -632,10 +632,10 @@ class MenuDialog:
 
     def _open(self) -> None:
         self._stopping = False
-        self._picker = ButtonPicker(tuple((name, TEXTS[name]) for name in self._offered), 0, self.panel)
+        self._picker = _ButtonPicker(tuple((name, TEXTS[name]) for name in self._offered), 0, self.panel)
 
     def panel(self) -> MessagePanel:
-        hint = picking_hint(self._hints)
+        hint = _picking_hint(self._hints)
         if self._stopping:
             lines = ("Your answers so far are kept.", "You need not say why.")
             return MessagePanel("End the session now?", lines, SURE, self._picker.marked, hint)
@@ -652,7 +652,7 @@ class MenuDialog:
                 self.chosen = CONTINUE
             elif self._picker.handle(command) and (name := self._picker.picked):
                 if name == STOP:
-                    self._stopping, self._picker = True, ButtonPicker(SURE, 0, self.panel)
+                    self._stopping, self._picker = True, _ButtonPicker(SURE, 0, self.panel)
                 elif name == "no":
                     self._open()
                 else:
@@ -662,7 +662,7 @@ class MenuDialog:
 class PageDialog:
     """Text or picture to look at; a text page by page."""
 
-    LAST: ClassVar[Choices] = ((DONE, "go on"),)
+    LAST: ClassVar[_Choices] = ((DONE, "go on"),)
     HELD: ClassVar[frozenset[str]] = frozenset({"continue"})  # commands that end it at once
     MARKED: ClassVar[bool] = True  # whether the last page's button is marked beforehand
 
@@ -676,8 +676,8 @@ class PageDialog:
     def _turn(self, page: int) -> None:
         self._page = page
         is_last = page == len(self._pages) - 1
-        choices: Choices = (*((_BACK,) if page else ()), *(self.LAST if is_last else (_ON,)))
-        self._picker = ButtonPicker(choices, None if is_last and not self.MARKED else len(choices) - 1, self.panel)
+        choices: _Choices = (*((_BACK,) if page else ()), *(self.LAST if is_last else (_ON,)))
+        self._picker = _ButtonPicker(choices, None if is_last and not self.MARKED else len(choices) - 1, self.panel)
 
     def panel(self) -> MessagePanel:
         pages = len(self._pages)
@@ -686,7 +686,7 @@ class PageDialog:
             lines=self._pages[self._page],
             choices=self._picker.choices,
             marked=self._picker.marked,
-            hint=picking_hint(self._hints),
+            hint=_picking_hint(self._hints),
             note=self._note,
             least_lines=ROWS if pages > 1 else 0,
             picture=self._picture,
@@ -720,7 +720,7 @@ class ConsentDialog(PageDialog):
     """
 
     LAST = ((REFUSE, "I do not agree"), (AGREE, "I agree"))
-    HELD = frozenset({AGREE, DECLINE})
+    HELD = frozenset({AGREE, _DECLINE})
     MARKED = False
 
     def __init__(self, text: str, hints: InputHints = KEYS, title: str = "Before we begin") -> None:
@@ -731,17 +731,17 @@ class ConsentDialog(PageDialog):
         if not self._refusing:
             return super().panel()
         lines = ("The session ends now.", "You need not say why.")
-        picker, hint = self._picker, picking_hint(self._hints)
+        picker, hint = self._picker, _picking_hint(self._hints)
         return MessagePanel("End without taking part?", lines, picker.choices, picker.marked, hint)
 
     def _end(self, name: str) -> None:
         if name == REFUSE:
-            self._refusing, self._picker = True, ButtonPicker(SURE_TO_REFUSE, 0, self.panel)
+            self._refusing, self._picker = True, _ButtonPicker(_SURE_TO_REFUSE, 0, self.panel)
         elif name == "no":
             self._refusing = False
             self._turn(self._page)
         else:
-            self.over, self.agreed, self.refused = True, name == AGREE, name in ("yes", DECLINE)
+            self.over, self.agreed, self.refused = True, name == AGREE, name in ("yes", _DECLINE)
 
 
 class BreakDialog:
@@ -773,7 +773,7 @@ class BreakDialog:
 MOST_LETTERS = 400  # what a panel shows at once
 NONE = "none"
 CHOICES = ((NONE, "no answer"), (DONE, "done"))
-LEAST_LINES = 3  # so that the panel does not grow at the first ones
+_LEAST_LINES = 3  # so that the panel does not grow at the first ones
 
 
 class TextDialog:
@@ -784,8 +784,8 @@ class TextDialog:
     def __init__(self, ask: Ask, hints: InputHints = KEYS, again: bool = False) -> None:
         self.ask, self.text, self.over = ask, "", False
         self._hints, self._note = hints, ""
-        self._heading = heading_of(ask, again)
-        self._picker = ButtonPicker(CHOICES, 1, self.panel)
+        self._heading = _heading_of(ask, again)
+        self._picker = _ButtonPicker(CHOICES, 1, self.panel)
 
     def panel(self) -> MessagePanel:
         typed = self._hints.mouse
@@ -797,7 +797,7 @@ class TextDialog:
             marked=self._picker.marked,
             hint=f"{'keyboard: type · ' if typed else ''}{self._hints.confirm}: confirm · {self._hints.menu}: menu",
             note=self._note,
-            least_lines=LEAST_LINES,
+            least_lines=_LEAST_LINES,
             takes_text=typed,
         )
 
@@ -824,7 +824,7 @@ class TextDialog:
                     self.text, self.over = text, True
                 else:
                     self._note = 'Answer first, or choose "no answer"'
-                    self._picker = ButtonPicker(CHOICES, 1, self.panel)
+                    self._picker = _ButtonPicker(CHOICES, 1, self.panel)
 
     def _set(self, text: str) -> None:
         plain = "".join(letter for letter in text if letter.isprintable())
@@ -855,7 +855,7 @@ def _starts(least: float, most: float, step: float) -> frozenset[str]:
 
 
 ACTIONS = frozenset({"left", "right", "up", "down", "digit", "erase", "point", "press", "confirm", "skip", "answer"})
-NOTED_S = 5.0  # how long a note stays
+_NOTED_S = 5.0  # how long a note stays
 
 
 class QuestionDialog:
@@ -873,8 +873,8 @@ class QuestionDialog:
         self._now_s, self._hints = now_s, hints
         scale = self._scale = ask.scale.of(ask.item)
         anchors = sorted((float(value), words) for value, words in scale.anchors.items())
-        self._form = ScaleForm(scale.least, scale.most, scale.step, tuple(anchors), listed=ask.item.answer == CHOICE)
-        self._heading = heading_of(ask, again)
+        self._form = _ScaleForm(scale.least, scale.most, scale.step, tuple(anchors), listed=ask.item.answer == CHOICE)
+        self._heading = _heading_of(ask, again)
         self._skipping = False
         self._typed = ""
         self._note, self._note_until_s = "", 0.0
@@ -936,8 +936,8 @@ class QuestionDialog:
         if not pressed:
             if value is not None and not self._typed:  # a sleeve may push the mouse
                 self.value = value
-        elif button in SKIPPING:
-            self._skipping = SKIPPING[button]
+        elif button in _SKIPPING:
+            self._skipping = _SKIPPING[button]
         elif button:
             self._leave()
         elif value is not None:
@@ -997,4 +997,4 @@ class QuestionDialog:
         self._say(f"{answer} is no answer here: expected {range_text(self._scale)}")
 
     def _say(self, note: str) -> None:
-        self._note, self._note_until_s = note, self._now_s() + NOTED_S
+        self._note, self._note_until_s = note, self._now_s() + _NOTED_S

@@ -74,7 +74,7 @@ _LEVELS = {name: dict(zip(values, _SAID["levels"][name], strict=True)) for name,
 }
 
 
-def columns_in(group: str) -> tuple[Column, ...]:
+def _columns_in(group: str) -> tuple[Column, ...]:
     """Return the columns of a table of columns.toml."""
     return tuple(
         Column(name, kind, text, "".join(unit), _LEVELS.get(name, {}))
@@ -98,29 +98,29 @@ def _actual(name: str) -> Column:
     return Column(f"actual_{name}", kind, f"As it was shown: {text}{how}", unit)
 
 
-ACTUAL_COLUMNS = tuple(_actual(name) for name in (*NUMBERS, *FLAGS, *TEXTS))
-MEASURED_COLUMNS = (
+_ACTUAL_COLUMNS = tuple(_actual(name) for name in (*NUMBERS, *FLAGS, *TEXTS))
+_MEASURED_COLUMNS = (
     *(
         Column(f"measured_{m.name}", NUMBER, f"Afterwards, mean of the measured pictures: {m.description}", m.unit)
         for m in metrics_in_order()
     ),
-    *columns_in("measured"),
+    *_columns_in("measured"),
 )
-RATED_COLUMNS, _SETTING_COLUMNS = (*columns_in("pair"), *columns_in("rated")), columns_in("settings")
+RATED_COLUMNS, _SETTING_COLUMNS = (*_columns_in("pair"), *_columns_in("rated")), _columns_in("settings")
 SETTINGS = tuple(column.name for column in _SETTING_COLUMNS)
 COLUMNS = (
-    *columns_in("who"),
-    *columns_in("what"),
+    *_columns_in("who"),
+    *_columns_in("what"),
     *_SETTING_COLUMNS,
-    *columns_in("shown"),
-    *ACTUAL_COLUMNS,
-    *MEASURED_COLUMNS,
+    *_columns_in("shown"),
+    *_ACTUAL_COLUMNS,
+    *_MEASURED_COLUMNS,
 )
 LONG_COLUMNS = tuple(column.name for column in COLUMNS)
 
 # Settings besides SETTINGS: columns of studies that use them.
-OTHER_SETTINGS = tuple(name for name in KINDS if name not in (*DISPLAY, *SETTINGS, "latency"))
-_BY_NAME = {column.name: column for column in (*COLUMNS, *RATED_COLUMNS, *columns_in("phase"))}
+_OTHER_SETTINGS = tuple(name for name in KINDS if name not in (*DISPLAY, *SETTINGS, "latency"))
+_BY_NAME = {column.name: column for column in (*COLUMNS, *RATED_COLUMNS, *_columns_in("phase"))}
 
 
 def column_of(name: str) -> Column:
@@ -133,7 +133,7 @@ def column_of(name: str) -> Column:
 
 def columns_for(rows: Sequence[Mapping[str, Any]], more: Sequence[str] = ()) -> tuple[Column, ...]:
     """Return COLUMNS with the rows' other settings, `more` before the scale, RATED_COLUMNS last."""
-    others = [name for name in OTHER_SETTINGS if any(name in row for row in rows)]
+    others = [name for name in _OTHER_SETTINGS if any(name in row for row in rows)]
     rated = [column.name for column in RATED_COLUMNS if any(row.get(column.name) is not None for row in rows)]
     before, after = LONG_COLUMNS.index(SETTINGS[-1]) + 1, LONG_COLUMNS
     names = (*after[:before], *others, *more, *after[before:], *rated)
@@ -177,7 +177,7 @@ def _text(
     return stream.getvalue()
 
 
-def write_parquet(path: Path, rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], title: str) -> None:
+def _write_parquet(path: Path, rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], title: str) -> None:
     """Write typed columns, nulls for missing values, and descriptions as metadata."""
     pa, parquet = import_extra("pyarrow", "pyarrow", "study"), import_extra("pyarrow.parquet", "pyarrow", "study")
     kinds = {NUMBER: (pa.float64(), float), INTEGER: (pa.int64(), int), FLAG: (pa.bool_(), bool)}
@@ -199,14 +199,14 @@ Row = dict[str, Any]
 _DIGITS = 6  # of times in seconds: a clock of nanoseconds says more than anything shown
 
 _OF_TRIAL = tuple(map(column_of, ("trial", "block", "repeat", "presentation")))
-EVENTS = (*columns_in("events"), *_OF_TRIAL)
-RUN_EVENTS = (*columns_in("run_events"), *EVENTS[1:])  # next to one recording of head motion
-INPUT_EVENTS = (RUN_EVENTS[0], *columns_in("input_events"), *_OF_TRIAL, *columns_in("inputs"))
+EVENTS = (*_columns_in("events"), *_OF_TRIAL)
+_RUN_EVENTS = (*_columns_in("run_events"), *EVENTS[1:])  # next to one recording of head motion
+INPUT_EVENTS = (_RUN_EVENTS[0], *_columns_in("input_events"), *_OF_TRIAL, *_columns_in("inputs"))
 
 
-def input_rows(done: Iterable[InputEvent], start_ns: int) -> list[Row]:
+def _input_rows(done: Iterable[InputEvent], start_ns: int) -> list[Row]:
     """Return rows by INPUT_EVENTS. start_ns: of the recording, on the inputs' clock."""
-    names = ("onset", "duration", *(column.name for column in columns_in("inputs")))
+    names = ("onset", "duration", *(column.name for column in _columns_in("inputs")))
     values = (
         (round((one.time_ns - start_ns) * 1e-9, _DIGITS), 0, one.action, one.target, *one.origin_m, *one.direction)
         for one in sorted(done, key=lambda one: one.time_ns)
@@ -222,7 +222,7 @@ def onset_s(session: Session, showing: Showing) -> float | None:
     return None if passed.total_seconds() < 0 else passed.total_seconds()
 
 
-def event_rows(session: Session, shows: Mapping[str, Show], showings: Iterable[Showing]) -> list[Row]:
+def _event_rows(session: Session, shows: Mapping[str, Show], showings: Iterable[Showing]) -> list[Row]:
     """Return a row by EVENTS for each of the showings whose onset is known, in that order."""
     names = [column.name for column in EVENTS]
     rows: list[Row] = []
@@ -235,7 +235,7 @@ def event_rows(session: Session, shows: Mapping[str, Show], showings: Iterable[S
 
 
 @attrs.frozen(eq=False)
-class SessionData:
+class _SessionData:
     """One session with its plan and all its data."""
 
     session: Session
@@ -246,7 +246,7 @@ class SessionData:
     showings: Mapping[int, Showing]  # by id
 
 
-def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
+def sessions_of(contents: Contents, design: Design) -> tuple[_SessionData, ...]:
     """Return all sessions, each with its own plan. design: the present one, for conditions."""
     read: dict[str, Design] = {design.text: design}
     answers, showings = defaultdict[int, dict[str, Answer]](dict), defaultdict[int, dict[int, Showing]](dict)
@@ -275,11 +275,11 @@ def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
             ) from error
         asks = {step.key: step for step in steps if isinstance(step, Ask)}
         shows = {step.key: step for step in steps if isinstance(step, Show)}
-        found.append(SessionData(session, plan, asks, shows, answers[session.id], showings[session.id]))
+        found.append(_SessionData(session, plan, asks, shows, answers[session.id], showings[session.id]))
     return tuple(found)
 
 
-def all_scales(contents: Contents, design: Design) -> dict[str, Scale]:
+def _all_scales(contents: Contents, design: Design) -> dict[str, Scale]:
     """Return every scale of the plan and of the sessions, by name. Errors: as sessions_of."""
     asked = {ask.scale.name: ask.scale for data in sessions_of(contents, design) for ask in data.asks.values()}
     return {scale.name: scale for scale in every_scale(design)} | asked
@@ -329,7 +329,7 @@ def score_rows(contents: Contents, design: Design) -> list[Row]:
     return rows
 
 
-def answer_row(design: Design, data: SessionData, ask: Ask) -> Row:
+def answer_row(design: Design, data: _SessionData, ask: Ask) -> Row:
     """Return the row of a planned question, with the showing that its answer is about."""
     session, answer, show = data.session, data.answers.get(ask.key), data.shows.get(ask.about)
     if answer is not None and answer.showing is not None:
@@ -367,7 +367,7 @@ def answer_row(design: Design, data: SessionData, ask: Ask) -> Row:
     }
 
 
-def _chosen(data: SessionData, second: Show, value: float | None) -> Row:
+def _chosen(data: _SessionData, second: Show, value: float | None) -> Row:
     """Return what a pair showed first, and which of both was preferred."""
     first = data.shows[second.after].condition.name
     names = {FIRST: first, SECOND: second.condition.name, NEITHER: "neither", None: None}
@@ -380,7 +380,7 @@ def _measured(column: str, value: Any) -> Any:
     return round(value, digits) if digits is not None and isinstance(value, float) else value
 
 
-def _shown(data: SessionData, show: Show | None) -> Row:
+def _shown(data: _SessionData, show: Show | None) -> Row:
     """Return what was judged: the last showing of a trial, which its questions are about."""
     if show is None:
         return dict.fromkeys(("trial", "block", "repeat", "condition", "reference", "previous"))
@@ -509,11 +509,11 @@ def channels_json() -> dict[str, Any]:
 
 VERSION = "1.9.0"
 FOLDER = "bids"
-EPOCH = datetime(1925, 1, 1)  # BIDS: dates shifted for privacy lie in 1925 or before
+_EPOCH = datetime(1925, 1, 1)  # BIDS: dates shifted for privacy lie in 1925 or before
 Progress = Callable[[int, int], None]
 
-PARTICIPANTS = columns_in("participants")
-SCANS = columns_in("scans")
+_PARTICIPANTS = _columns_in("participants")
+_SCANS = _columns_in("scans")
 
 
 def write_bids(
@@ -532,7 +532,7 @@ def write_bids(
     Returns how many recordings were written, and why others were left out.
     """
     shows = {data.session.id: data.shows for data in sessions_of(contents, design)}
-    tree = _Tree(out, contents, design, label_of(design.name), all_scales(contents, design), shows)
+    tree = _Tree(out, contents, design, label_of(design.name), _all_scales(contents, design), shows)
     tree.head(readme)
     # One that was cut off was repeated, and no answer is about it: its poses stay in the store.
     recorded = [showing for showing in contents.showings if motion and showing.complete and showing.trace]
@@ -580,8 +580,8 @@ class _Tree:
             "sessions": len(sessions),
             "status": sessions[-1].status,
         } for sub, sessions in sorted(people.items())]  # fmt: skip
-        self._text("participants.tsv", tsv_text(rows, PARTICIPANTS))
-        gone, side = self.contents.withdrawn, sidecar(PARTICIPANTS)
+        self._text("participants.tsv", tsv_text(rows, _PARTICIPANTS))
+        gone, side = self.contents.withdrawn, sidecar(_PARTICIPANTS)
         if gone and all(session.origin == PERSON for session in self.contents.sessions):  # their origin is not known
             side["Withdrawn"] = {"Description": f"{gone} withdrew; all their data were erased", "Count": gone}
         self._json("participants.json", side)
@@ -593,7 +593,7 @@ class _Tree:
         self._text(f"{self._folder(session)}/{stem}_beh.tsv", tsv_text(rows, columns))
         self._json(f"{self._folder(session)}/{stem}_beh.json", self._task(session) | sidecar(columns, self.scales))
         shown = (showing for showing in self.contents.showings if showing.session == session.id and showing.complete)
-        self._events(session, stem, event_rows(session, self.shows[session.id], shown))
+        self._events(session, stem, _event_rows(session, self.shows[session.id], shown))
         return [{"filename": f"{stem}_beh.tsv", "acq_time": _shifted(session.started_utc, session.started_utc)}]
 
     def _events(self, session: Session, stem: str, rows: Sequence[Row], columns: Sequence[Column] = EVENTS) -> None:
@@ -615,11 +615,11 @@ class _Tree:
         if len(track) < 2:
             raise TraceError("a single pose is no motion")
         facts = self._facts(session, showing)
-        events = [row | {"onset": 0.0} for row in event_rows(session, self.shows[session.id], [showing])]
-        columns = RUN_EVENTS
+        events = [row | {"onset": 0.0} for row in _event_rows(session, self.shows[session.id], [showing])]
+        columns = _RUN_EVENTS
         if acted.is_file():
             try:
-                events += input_rows(read_inputs(acted), track.start_ns + track.epoch_ns)
+                events += _input_rows(read_inputs(acted), track.start_ns + track.epoch_ns)
             except InputError as error:
                 how = "mend that line, or delete the file to do without, and export again with --force"
                 raise InputError(f"{error}; {how}") from error
@@ -653,8 +653,8 @@ class _Tree:
     def scans(self, session: Session, files: Sequence[Row]) -> None:
         """List the files with their times since the beginning of the session."""
         name = f"{self._folder(session)}/sub-{session.sub}_ses-{session.number:02d}_scans"
-        self._text(f"{name}.tsv", tsv_text(files, SCANS))
-        self._json(f"{name}.json", sidecar(SCANS))
+        self._text(f"{name}.tsv", tsv_text(files, _SCANS))
+        self._json(f"{name}.json", sidecar(_SCANS))
 
     def _task(self, session: Session) -> dict[str, Any]:
         asked = (scale.prompt or scale.items[0].text for scale in self.design.scales)
@@ -707,7 +707,7 @@ def _about(scale: Scale) -> str:
 def _shifted(start_utc: str, at_utc: str) -> str | None:
     """Shift an instant of a session to 1925; None if the machine's clock was set back meanwhile."""
     passed = datetime.fromisoformat(at_utc) - datetime.fromisoformat(start_utc)
-    return (EPOCH + passed).isoformat(timespec="milliseconds") if passed >= timedelta(0) else None
+    return (_EPOCH + passed).isoformat(timespec="milliseconds") if passed >= timedelta(0) else None
 
 
 # Older versions wrote some of them; a forced export removes what they hold of withdrawn people.
@@ -738,7 +738,7 @@ class ExportOptions:
 
 
 @attrs.frozen
-class Exported:
+class _Exported:
     """Result of an export."""
 
     folder: Path
@@ -751,7 +751,7 @@ def export(
     out: Path,
     options: ExportOptions | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
-) -> Exported:
+) -> _Exported:
     """Export a study.
 
     out: a new or empty folder, unless forced: an older export may hold people who have withdrawn
@@ -788,7 +788,7 @@ def export(
         notes.append(f"bids/: a BIDS data set {recordings if options.motion else 'without head motion'}")
         notes += [f"left out: {why}" for why in left_out]
         folder.write_text("README", text)
-    return Exported(Path(out), tuple(notes))
+    return _Exported(Path(out), tuple(notes))
 
 
 def _tables(
@@ -802,12 +802,12 @@ def _tables(
     columns = columns_for(ratings)
     folder.write_bytes("ratings.csv", csv_text(ratings, columns).encode())
     described = columns_for(answers, ("phase", "kind", "text"))
-    folder.write_json("columns.json", sidecar(described, all_scales(contents, design)))
+    folder.write_json("columns.json", sidecar(described, _all_scales(contents, design)))
     notes = ["ratings.csv: one row for each rating"]
     if parquet is None and importlib.util.find_spec("pyarrow") is None:
         return [*notes, f"no ratings.parquet: the package pyarrow is not installed ({install_line('study')})"]
     if parquet is not False:
-        write_parquet(folder.path("ratings.parquet"), ratings, columns, design.title)
+        _write_parquet(folder.path("ratings.parquet"), ratings, columns, design.title)
         notes.append("ratings.parquet: the same with typed columns")
     return notes
 

@@ -49,7 +49,7 @@ def _uniform(seed: int, part: str, person: int, thing: int, count: int) -> Float
 Floats = NDArray[np.float64]
 # Half the least step of a double from [0, 1): a draw of exactly 0 gives the normal -8.3, not -inf.
 TINY = 2.0**-54
-PREFERENCE_JOD = 5.0  # from the best of a scale to its worst, where the question is for a preference
+_PREFERENCE_JOD = 5.0  # from the best of a scale to its worst, where the question is for a preference
 
 
 def _within(least: float, most: float, default: Any = 0.0, at: str = "", *, above: bool = False) -> Any:
@@ -92,7 +92,7 @@ class RatingModel:
 
 
 @attrs.frozen(kw_only=True)
-class OtherRatings:
+class _OtherRatings:
     """Other ratings, but `missing` as shares of the scale, from its best (0) to its worst (1)."""
 
     mean: float = _within(0, 1, attrs.NOTHING)  # of a condition
@@ -106,8 +106,8 @@ class OtherRatings:
     def on(self, scale: Scale) -> RatingModel:
         """Return the model in the unit and the direction of a scale."""
         if scale.kind == PREFERENCE:  # in JOD, of which the noise defines the unit
-            best, way, noise_sd = 0.0, -PREFERENCE_JOD, JOD_SPREAD / np.sqrt(2)
-            of_kind: dict[str, Any] = {"threshold": PREFERENCE_JOD * self.condition_sd}
+            best, way, noise_sd = 0.0, -_PREFERENCE_JOD, JOD_SPREAD / np.sqrt(2)
+            of_kind: dict[str, Any] = {"threshold": _PREFERENCE_JOD * self.condition_sd}
         else:
             width = scale.most - scale.least
             best, way = (scale.least, width) if scale.low_is_good else (scale.most, -width)
@@ -145,7 +145,7 @@ class Model:
     path: str  # its file, or "model NAME" of a shipped one, for messages
     title: str = read_by(Table.text, default="", required=True)
     ratings: Mapping[str, RatingModel] = attrs.field(factory=dict, hash=False)  # by scale name
-    others: OtherRatings | None = None  # of what `ratings` leaves out; None: an error
+    others: _OtherRatings | None = None  # of what `ratings` leaves out; None: an error
     sickness: SicknessModel = SicknessModel()
     dropout: float = _within(0, 1, at="sessions.dropout")  # of leaving after a trial and its questions
     pause: float = _within(0, 1, at="sessions.pause")  # probability of a pause in a trial
@@ -230,7 +230,7 @@ def model_from_text(text: str, path: str) -> Model:
                 name: RatingModel(_means(of.table("means")), **fields_in(of, RatingModel))
                 for name, of in scales.items()
             },
-            others=OtherRatings(**fields_in(data.table("others"), OtherRatings)) if "others" in data else None,
+            others=_OtherRatings(**fields_in(data.table("others"), _OtherRatings)) if "others" in data else None,
             sickness=SicknessModel(**fields_in(sickness, SicknessModel)),
             **fields_in(data, Model),
         )

@@ -12,7 +12,7 @@ import attrs
 from ...errors import InputError, unknown_name
 from ...options import Table, fields_in, parsed, quoted, read_by, reads, text_of
 
-KINDS = (RATING, SICKNESS, QUESTIONNAIRE, PREFERENCE) = ("rating", "sickness", "questionnaire", "preference")
+KINDS = (RATING, _SICKNESS, QUESTIONNAIRE, PREFERENCE) = ("rating", "sickness", "questionnaire", "preference")
 # Answers to a preference, and so the numbers of its choices.
 FIRST, SECOND, NEITHER = 1.0, 2.0, 3.0
 OF = (SUMS, SCORES) = ("sums", "scores")
@@ -46,7 +46,7 @@ class Item:
 
 
 @attrs.frozen
-class Score:
+class _Score:
     """A score of a questionnaire: a weighted sum of answers, or of other scores."""
 
     name: str
@@ -103,7 +103,7 @@ class Scale(Stepped):
     step: float  # distance between two answers
     low_is_good: bool
     anchors: Mapping[float, str] = attrs.field(factory=dict, hash=False)  # words for some answers
-    scores: tuple[Score, ...] = ()  # of a questionnaire
+    scores: tuple[_Score, ...] = ()  # of a questionnaire
     units: str = read_by(Table.line, default="")  # for tables; "" for a plain number
     # The paper or standard it comes from.
     source: str = read_by(Table.line, default="", required=True)
@@ -231,7 +231,7 @@ def _scale(data: Table, name: str) -> Scale:
     scores = data.tables("score")
     if scores and found["kind"] != QUESTIONNAIRE:
         raise data.fault("score", f"is for questionnaires: a {found['kind']} is its own score")
-    made: list[Score] = []
+    made: list[_Score] = []
     for table in scores:
         made.append(_score(table, len(items), [score.name for score in made]))
     return Scale(name=name, items=items, **found, **answers, scores=tuple(made))
@@ -314,7 +314,7 @@ def _anchors(answer: Table, least: float, most: float) -> dict[float, str]:
     return dict(sorted(anchors.items()))
 
 
-def _score(table: Table, items: int, before: list[str]) -> Score:
+def _score(table: Table, items: int, before: list[str]) -> _Score:
     """Read a score. items: how many questions there are. before: scores above it."""
     name = table.text("name")
     if not name.isidentifier() or name in before:
@@ -322,16 +322,16 @@ def _score(table: Table, items: int, before: list[str]) -> Score:
     if ("items" in table) == ("of" in table):
         wanted = "expected either items, numbers of questions from 1 on, or of, names of scores above it"
         raise table.fault(None, f"'{name}': {wanted}")
-    about = fields_in(table, Score)
+    about = fields_in(table, _Score)
     if "items" in table:
         numbers = table.numbers("items")
         if not numbers or not set(numbers) <= {*range(1, items + 1)} or len(set(numbers)) < len(numbers):
             found = [int(number) if number == int(number) else number for number in numbers]
             raise table.fault("items", f"is {found}: expected numbers of questions, from 1 to {items}, each once")
-        return Score(name, tuple(map(int, numbers)), **about)
+        return _Score(name, tuple(map(int, numbers)), **about)
     of = table.texts("of")
     for other in of:
         if other not in before:
             above = ", ".join(before) or "there are none"
             raise table.fault("of", f"names {other!r}: expected scores that stand above this one ({above})")
-    return Score(name, of=of, of_what=table.word("of_what", OF, SUMS), **about)
+    return _Score(name, of=of, of_what=table.word("of_what", OF, SUMS), **about)

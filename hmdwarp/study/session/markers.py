@@ -18,10 +18,10 @@ from ...errors import MachineError
 from ...resources import import_extra
 
 EXTRA = "lsl"
-TYPE = "Markers"  # of the stream, by which recorders know it
+_TYPE = "Markers"  # of the stream, by which recorders know it
 READINGS = 8  # of both clocks for each conversion; the closest counts
 # For what is on its way when a session ends: the library drops it where the stream closes at once.
-LEAVING_S = 0.5
+_LEAVING_S = 0.5
 
 
 def load_lsl() -> Any:
@@ -35,7 +35,7 @@ def load_lsl() -> Any:
 
 
 @attrs.frozen
-class ClockReading:
+class _ClockReading:
     """Both clocks at one instant."""
 
     display_ns: int
@@ -43,7 +43,7 @@ class ClockReading:
     error_s: float  # they were read at most this far apart
 
     @classmethod
-    def of(cls, now_ns: Callable[[], int], local_clock: Callable[[], float]) -> ClockReading:
+    def of(cls, now_ns: Callable[[], int], local_clock: Callable[[], float]) -> _ClockReading:
         """Read LSL's clock between two readings of the display's, and keep the closest of some."""
         readings = []
         for _ in range(READINGS):
@@ -74,7 +74,7 @@ class MarkerStream:
         self.error_s = 0.0  # of the conversion, the largest so far
         reading = self._read()
         self._fixed = reading if is_simulated else None
-        info = self._lsl.StreamInfo(name, TYPE, 1, self._lsl.IRREGULAR_RATE, self._lsl.cf_string, name)
+        info = self._lsl.StreamInfo(name, _TYPE, 1, self._lsl.IRREGULAR_RATE, self._lsl.cf_string, name)
         clock = "simulated" if is_simulated else "display"
         for key, value in {**about, "clock": clock, "clock_error_s": f"{self.error_s:.1e}"}.items():
             info.desc().append_child_value(key, value)
@@ -98,10 +98,10 @@ class MarkerStream:
     def close(self) -> None:
         """End the stream, once what is on its way has left."""
         if self.are_received:
-            time.sleep(LEAVING_S)
+            time.sleep(_LEAVING_S)
         del self._outlet
 
-    def _read(self) -> ClockReading:
-        reading = ClockReading.of(self._now_ns, self._lsl.local_clock)
+    def _read(self) -> _ClockReading:
+        reading = _ClockReading.of(self._now_ns, self._lsl.local_clock)
         self.error_s = max(self.error_s, reading.error_s)
         return reading

@@ -263,13 +263,13 @@ class _NoPipeline:
     options: LiveOptions  # between trials there is no pipeline, but the driver asks for these
 
 
-PACKAGES = ("numpy", "scipy", "moderngl", "glfw", "pyopenxr", "attrs")
+_PACKAGES = ("numpy", "scipy", "moderngl", "glfw", "pyopenxr", "attrs")
 
 
 def facts_of(display: Display, design: Design, trace: str) -> dict[str, Any]:
     """Return versions, machine, GPU, display and seed: no host, user or folder."""
     gpu, packages = display.gpu, dict[str, str]()
-    for name in PACKAGES:
+    for name in _PACKAGES:
         with suppress(metadata.PackageNotFoundError):
             packages[name] = metadata.version(name)
     return {

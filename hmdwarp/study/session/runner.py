@@ -197,7 +197,7 @@ def why_sick(rule: Sickness | None, answers: Iterable[Answer]) -> str:
 
 FAREWELL_S = 3.0
 # Before a pipeline is built, which takes a while: a double-buffered window shows the second panel.
-PANEL_REFRESHES = 2
+_PANEL_REFRESHES = 2
 
 H = TypeVar("H", bound=StepHandler)
 
@@ -319,7 +319,7 @@ class SessionRunner:
                 say("no program receives the markers: start the recorder")
             panel_ns = context.display.now_ns()
             panel = handlers.number_panel(step, context.steps, self.hints)
-            self._drive(PanelHandler(context, step, panel, refreshes=PANEL_REFRESHES))
+            self._drive(PanelHandler(context, step, panel, refreshes=_PANEL_REFRESHES))
             showing, handler = self._run_trial(step, panel_ns)
             context.shown = step
             self._refuse_signal()

@@ -27,20 +27,20 @@ from ..scales import WORDS
 from ..store import COMPLETE, DECLINED, PILOT, SICK, SIMULATED, STOPPED, UNCONSENTED, Session, Store
 from .markers import MarkerStream
 
-PARTICIPANT, EXPERIMENTER, RESPONDENT = "participant", "experimenter", "simulated"  # who sends commands
+PARTICIPANT, _EXPERIMENTER, RESPONDENT = "participant", "experimenter", "simulated"  # who sends commands
 # Why a step ends before its time, by the command that requests it.
 PAUSE, AGAIN, STOP, LOST = "pause", "again", "stop", "lost"
 INTERRUPTS = {"menu": PAUSE, "pause": PAUSE, "again": AGAIN, "stop": STOP}
 BREAK, REMARK = "break", "remark"  # the first waits for the end of the trial, the second changes nothing
 CONFIRMS = frozenset({"confirm", "agree", "continue"})
 TELL_NS = 200_000_000  # between two states for the console
-TRACKING_LOST = "tracking lost"
+_TRACKING_LOST = "tracking lost"
 
 
 # Below both, a trial counts as one in which the head hardly moved. A head that is held still sways
 # by some 2 degrees and 2 cm; one that looks around turns by tens of degrees within seconds. A warp
 # has next to nothing to correct below these, whatever the latency.
-STILL_DEG, STILL_M = 5.0, 0.05
+_STILL_DEG, STILL_M = 5.0, 0.05
 
 
 @attrs.define
@@ -65,7 +65,7 @@ class HeadRange:
 
     @property
     def is_still(self) -> bool:
-        return self.turn_deg < STILL_DEG and self.shift_m < STILL_M
+        return self.turn_deg < _STILL_DEG and self.shift_m < STILL_M
 
     def figures(self) -> dict[str, float | bool | None]:
         """Return the figures of study/actual.py; None throughout where no head was seen."""
@@ -196,7 +196,7 @@ class SessionContext:
         return [
             *late,
             *((PARTICIPANT, command) for command in commands),
-            *((EXPERIMENTER, command) for command in self.console.commands()),
+            *((_EXPERIMENTER, command) for command in self.console.commands()),
             *((RESPONDENT, command) for command in answers),
         ]
 
@@ -240,7 +240,7 @@ class SessionContext:
             participant=f"{session.code}{origin}",
             step=step_name(step, self.steps),
             elapsed_s=self.elapsed_s,
-            notice=TRACKING_LOST if head is not None and head.origin is Origin.HELD else "",
+            notice=_TRACKING_LOST if head is not None and head.origin is Origin.HELD else "",
             **describe(),
         )
         self.console.tell(state)

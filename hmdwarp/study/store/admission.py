@@ -114,12 +114,12 @@ def participant_for(db: sqlite3.Connection, code: str, part: str, origin: str, n
     if not is_new:
         check_code(code)
     known = db.execute("SELECT id, code, origin FROM participant WHERE code = ?", (code,)).fetchone()
-    if not is_new and is_withdrawn(db, code):
+    if not is_new and _is_withdrawn(db, code):
         raise InputError(f"participant {code} has withdrawn, and codes are not reused: take another ('new' draws one)")
     if is_new or known is None:
         check_first(code, new_session)
-        code = _draw(_CLEAR, 5, lambda drawn: is_taken(db, drawn)) if is_new else code
-        sub = _draw(_SUB, 12, lambda drawn: is_taken(db, drawn))
+        code = _draw(_CLEAR, 5, lambda drawn: _is_taken(db, drawn)) if is_new else code
+        sub = _draw(_SUB, 12, lambda drawn: _is_taken(db, drawn))
         return insert(db, "participant", code=code, sub=sub, origin=origin)
     id_, code, was = known
     if was != origin:
@@ -148,14 +148,14 @@ def check_first(code: str, new_session: bool) -> None:
         raise InputError(f"participant {code} is not known here: leave out --new-session, or check the code")
 
 
-def is_withdrawn(db: sqlite3.Connection, code: str) -> bool:
+def _is_withdrawn(db: sqlite3.Connection, code: str) -> bool:
     """Return whether the data of that code were erased, or are being erased."""
     query = """SELECT 1 FROM withdrawn WHERE code = :code
       UNION SELECT 1 FROM participant WHERE code = :code AND withdrawing"""
     return db.execute(query, {"code": code}).fetchone() is not None
 
 
-def is_taken(db: sqlite3.Connection, code: str) -> bool:
+def _is_taken(db: sqlite3.Connection, code: str) -> bool:
     """Return whether the code is or was in use, or is a random word."""
     query = """SELECT 1 FROM participant WHERE code = :code OR sub = lower(:code)
       UNION SELECT 1 FROM withdrawn WHERE code = :code"""
@@ -244,7 +244,7 @@ def insert(db: sqlite3.Connection, table: str, **values: Any) -> int:
 def to_resume(db: sqlite3.Connection, code: str, part: str | None) -> Session:
     """Return the interrupted session. Errors: InputError for none, or several."""
     check_code(code)
-    if is_withdrawn(db, code):
+    if _is_withdrawn(db, code):
         raise InputError(f"participant {code} has withdrawn: there is nothing to resume")
     sessions = records.sessions_of(db, code)
     if not sessions:

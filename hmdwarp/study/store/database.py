@@ -51,7 +51,7 @@ class Lock:
                 "pid": os.getpid(),
                 "host": socket.gethostname(),
                 "since": since.astimezone().isoformat(timespec="seconds"),
-                "journal": noted_entries(self.path.parent),
+                "journal": _noted_entries(self.path.parent),
             }
             self._write()
         except BaseException as error:
@@ -90,7 +90,7 @@ class Lock:
             self._file = -1
 
 
-def noted_entries(folder: Path) -> int:
+def _noted_entries(folder: Path) -> int:
     """Return how many entries the journal has at least, as Lock.note has it; 0 where unknown."""
     with suppress(OSError, ValueError, KeyError, TypeError, IndexError, RecursionError):
         if (path := folder / LOCK).is_file():
@@ -256,7 +256,7 @@ def overwrite(path: Path) -> None:
 
 _LEAST_BYTES = 65536  # the shared memory of a log grows by half of that
 KEPT = "everything that was confirmed is kept"
-NOT_A_DATABASE = "it is no database, or another file"
+_NOT_A_DATABASE = "it is no database, or another file"
 _TEXTS: tuple[tuple[tuple[str, ...], type[HmdwarpError], str], ...] = (
     (("SQLITE_FULL",), MachineError, f"no room is left on the disk; {KEPT}: make room and resume (study run --resume)"),
     (("SQLITE_READONLY",), InputError, f"it may not be written to; {KEPT}: make it writable, or use a copy (--store)"),
@@ -286,7 +286,7 @@ def store_error(error: sqlite3.Error | UnicodeDecodeError, path: Path) -> Hmdwar
     name = getattr(error, "sqlite_errorname", None) or ""
     # SQLITE_ERROR: the schema is not what the file says it is.
     if name in ("SQLITE_ERROR", "SQLITE_NOTADB") or name.startswith("SQLITE_CORRUPT") or "UTF-8" in str(error):
-        return damaged(path, NOT_A_DATABASE if name == "SQLITE_NOTADB" else str(error))
+        return damaged(path, _NOT_A_DATABASE if name == "SQLITE_NOTADB" else str(error))
     if name.startswith("SQLITE_IOERR"):
         with suppress(OSError):
             if shutil.disk_usage(path.parent).free < _LEAST_BYTES:
@@ -442,7 +442,7 @@ def _refuse_lost(path: Path) -> None:
     """Refuse to take a study for a new one whose database is gone."""
     if os.path.lexists(path) and not path.is_file():
         raise damaged(path, "it is no regular file")
-    if noted_entries(path.parent) or path.with_name(COPY).exists() or any((path.parent / TRACES).glob("*.csv")):
+    if _noted_entries(path.parent) or path.with_name(COPY).exists() or any((path.parent / TRACES).glob("*.csv")):
         raise damaged(path, "there is no data in it, and there were sessions")
 
 
@@ -452,7 +452,7 @@ def check(db: sqlite3.Connection, path: Path) -> None:
     SQLite finds damage of its own structures, the count beside it that a log or a newer file is
     gone.
     """
-    noted = noted_entries(path.parent)  # first: another program may be writing
+    noted = _noted_entries(path.parent)  # first: another program may be writing
     db.execute("BEGIN")
     try:
         wrong = [text for (text,) in db.execute("PRAGMA integrity_check(1)") if text != "ok"]

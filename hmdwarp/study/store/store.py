@@ -32,7 +32,7 @@ from .erasing import Holdings, erase, finish_erasing, known
 from .records import Answer, Contents, Session, Showing, clean, to_json
 
 
-class MachineClock:
+class _MachineClock:
     """Time of day, which may be set back, and nanoseconds since boot, which never are."""
 
     def utc(self) -> datetime:
@@ -69,7 +69,7 @@ class Store:
         create: bool = False,
         study: str | None = None,
         say: Callable[[str], None] = lambda text: None,
-        clock: MachineClock | None = None,
+        clock: _MachineClock | None = None,
     ) -> None:
         """Open the store of a folder. create: when the first session begins, and none before.
 
@@ -77,7 +77,7 @@ class Store:
         """
         folder = Path(folder)
         self.folder, self.traces = folder, folder / TRACES
-        self._path, self._say, self._clock = folder / DATABASE, say, clock or MachineClock()
+        self._path, self._say, self._clock = folder / DATABASE, say, clock or _MachineClock()
         self._create, self._study = create, study
         self._lock: Lock | None = None
         self._finished: list[str] = []  # codes whose interrupted withdrawal ended when the lock was taken

@@ -20,8 +20,8 @@ from ...controls import Control, Status
 from ..window_system import WindowHandle
 from . import WIDTH
 
-CALM_HZ = 15.0  # new frames without input; in between the last one is drawn again
-LIVELY_S = 0.4  # a new frame at every refresh after start and input: widgets need a few for their sizes
+_CALM_HZ = 15.0  # new frames without input; in between the last one is drawn again
+_LIVELY_S = 0.4  # a new frame at every refresh after start and input: widgets need a few for their sizes
 _Flags = imgui.WindowFlags_
 FLAGS = _Flags.no_title_bar | _Flags.no_resize | _Flags.no_move | _Flags.no_nav | _Flags.always_auto_resize
 BAD, WARN = imgui.ImVec4(1.0, 0.42, 0.36, 1.0), imgui.ImVec4(1.0, 0.76, 0.3, 1.0)
@@ -55,7 +55,7 @@ class ControlPanel:
         self.on = True  # whether it is visible; while off, it draws nothing and takes no input
         self._closed = False
         self._scale, self._height = 1.0, 0.0
-        self._drawn_s, self._lively_until_s = -math.inf, glfw.get_time() + LIVELY_S
+        self._drawn_s, self._lively_until_s = -math.inf, glfw.get_time() + _LIVELY_S
         self._dragged: dict[str, float] = {}
         self._commands: list[Command] = []
         for setter, callback in (
@@ -72,7 +72,7 @@ class ControlPanel:
             if self.on and not self._captured:
                 callback(*arguments)
                 if self.wants_mouse or self.wants_keys:
-                    self._lively_until_s = glfw.get_time() + LIVELY_S
+                    self._lively_until_s = glfw.get_time() + _LIVELY_S
             elif not self._closed:
                 self._backend.io.clear_input_keys()
                 self._backend.io.clear_input_mouse()
@@ -112,7 +112,7 @@ class ControlPanel:
         if not self.on or min(framebuffer_size) < 1:
             return []
         now_s = glfw.get_time()
-        if now_s < self._lively_until_s or now_s - self._drawn_s >= 1 / CALM_HZ:
+        if now_s < self._lively_until_s or now_s - self._drawn_s >= 1 / _CALM_HZ:
             self._drawn_s = now_s
             self._new_frame(status)
         with drawing_into(self._gl.screen):

@@ -151,7 +151,7 @@ def _scale_text(unit: float | None, only_for: Size | None = None) -> str:
     return f"{unit:.6g} m per unit" + ("" if only_for is None else " for {}x{}".format(*only_for))
 
 
-def of_camera(where: Path, pictures: list[Path], wanted: str | None) -> list[Path]:
+def _of_camera(where: Path, pictures: list[Path], wanted: str | None) -> list[Path]:
     """Return the pictures of the camera the user names, or the only one. Errors: InputError."""
     named: dict[str, dict[str, Path]] = defaultdict(dict)
     for path in pictures:
@@ -174,7 +174,7 @@ _NOTHING = 1e-12
 _WITHIN = 1e-3
 
 
-def square_of(where: str, value: Any) -> Matrix:
+def _square_of(where: str, value: Any) -> Matrix:
     """Return 4x4 of 4x4, 3x4, 4x3 or 12 or 16 numbers, as written. Errors: InputError."""
     try:
         found = np.array(value, np.float64)
@@ -193,7 +193,7 @@ def square_of(where: str, value: Any) -> Matrix:
     return whole
 
 
-def by_rows(where: str, matrices: Rows[Matrix]) -> tuple[list[Matrix], Assumption]:
+def _by_rows(where: str, matrices: Rows[Matrix]) -> tuple[list[Matrix], Assumption]:
     """Return a file's matrices by rows, and who says they are: 0, 0, 0, 1. Errors: InputError."""
     below, beside = (
         np.array([np.abs(np.subtract(line, LAST)).max() <= _NOTHING for line in lines], bool)
@@ -214,7 +214,7 @@ def turns(matrix: Matrix) -> bool:
     return bool(np.abs(matrix @ matrix.T - np.eye(3)).max() <= _WITHIN)
 
 
-def shared_scale(matrices: Rows[Matrix]) -> float:
+def _shared_scale(matrices: Rows[Matrix]) -> float:
     """Return the factor that all matrices have beside a rotation; 1 for none, or for several."""
     scales = np.cbrt([np.linalg.det(matrix[:3, :3]) for matrix in matrices])
     if not len(scales) or not np.isfinite(scales).all() or scales.min() <= 0:
@@ -335,7 +335,7 @@ class Folder:
         """Return pictures with depth, by names, numbers, else instants. Errors: InputError."""
         colours, depths = self.folder(*COLOURS), depths or self.path / "depth"
         first, second = images_in(colours), images_in(depths, DEPTHS)
-        first, wanted = of_camera(colours, first, self.options.frames_camera), self.options.frames_camera or ""
+        first, wanted = _of_camera(colours, first, self.options.frames_camera), self.options.frames_camera or ""
         second = [path for path in second if wanted in path.stem] or second
         parts = [[[int(one) for one in re.findall(r"\d+", path.stem)] for path in side] for side in (first, second)]
         ways: list[list[list[Any]]] = [[[path.stem for path in side] for side in (first, second)]]
@@ -361,13 +361,13 @@ class Folder:
     def poses(self, matrices: Iterable[tuple[str, Any]], unit: float = 1.0, *, inverse: bool = False) -> list[Pose]:
         """Return world_from_eye of a file's matrices, a scale they share divided out."""
         given = list(matrices)
-        turned, fact = by_rows(given[0][0] if given else "", [square_of(where, one) for where, one in given])
+        turned, fact = _by_rows(given[0][0] if given else "", [_square_of(where, one) for where, one in given])
         if inverse:
             if flat := [where for (where, _), one in zip(given, turned, strict=True) if not np.linalg.det(one)]:
                 raise InputError(f"{flat[0]}: the matrix has no inverse; expected a rotation and a position")
             turned = [np.asarray(np.linalg.inv(one), dtype=np.float64) for one in turned]
             fact = attrs.evolve(fact, value=fact.value.replace("world from camera", "camera from world, inverted"))
-        if (scale := shared_scale(turned)) != 1:
+        if (scale := _shared_scale(turned)) != 1:
             turned = [np.vstack([one[:3] / scale, one[3:]]) for one in turned]
             said = f"{fact.value}, their scale of {1 / scale if inverse else scale:.6g} divided out"
             fact = attrs.evolve(fact, value=said, by=By.FILE)

@@ -34,14 +34,14 @@ from . import CAMERA, COLOURS, DEPTHS, MATRICES, VGA, Folder, Pair, Row, images_
 
 # What the authors advise for all sequences, whose depth is registered with it; those of freiburg3
 # are undistorted already and have a camera of their own.
-ADVISED, FREIBURG3 = Camera(525.0, 525.0, 319.5, 239.5, VGA), Camera(535.4, 539.2, 320.1, 247.6, VGA)
+_ADVISED, FREIBURG3 = Camera(525.0, 525.0, 319.5, 239.5, VGA), Camera(535.4, 539.2, 320.1, 247.6, VGA)
 _WITHIN_NS = 20_000_000  # of colour and depth of one frame, as the data set's own script has it
 _SECONDS = Assumption(CLOCK, "seconds in the lists of pictures", By.FILE)
 
 
 @layout(
     "tum", "TUM RGB-D: rgb.txt, depth.txt, groundtruth.txt and the pictures that they name",
-    (95, "rgb.txt", "depth.txt", "groundtruth.txt"), world="x,z,y", camera=ADVISED, unit=1 / 5000, by=By.DEFAULT,
+    (95, "rgb.txt", "depth.txt", "groundtruth.txt"), world="x,z,y", camera=_ADVISED, unit=1 / 5000, by=By.DEFAULT,
     only_for=VGA, looks="x right, y down, z forward, in a world of z up", clock=_SECONDS,
 )  # fmt: skip
 def tum(at: Folder) -> None:
@@ -52,7 +52,7 @@ def tum(at: Folder) -> None:
             raise InputError(f"{file}: {len(rows)} lines; expected one of fx fy cx cy")
         own = Camera.of(rows[0].floats(4))
     by = By.FORMAT if own or "freiburg" in name else By.DEFAULT
-    at.state(FREIBURG3 if "freiburg3" in name else ADVISED, own=own, by=by)
+    at.state(FREIBURG3 if "freiburg3" in name else _ADVISED, own=own, by=by)
     at.only_for = None if own else VGA
     trace = load_trace(at.path / "groundtruth.txt", TraceOptions(format="tum", axes=at.axes.words()))
     lists = []
@@ -77,7 +77,7 @@ def tum(at: Folder) -> None:
     # Axes are the layout's, and no option changes them.
     by_layout = (str(defect).replace(AXES_BY[By.USER], AXES_BY[By.FORMAT]) for defect in trace.defects)
     at.notes += [note.replace("--axes '", "axes '") for note in by_layout]
-    if at.camera is ADVISED and re.search("freiburg[12]", name):
+    if at.camera is _ADVISED and re.search("freiburg[12]", name):
         at.notes += ["The lens of this camera distorts a little; the intrinsics that its authors advise leave it in."]
     if lost:
         at.notes.append(f"{lost} frames were left out: groundtruth.txt has no pose at their instants.")
@@ -108,7 +108,7 @@ def icl_nuim(at: Folder) -> None:
 @layout(
     "redwood", "Redwood, Open3D: color/, depth/, trajectory.log, and maybe camera_intrinsic.json",
     lambda path: 85 if path.is_dir() and _log(path) is not None and (path / "depth").is_dir() else 0,
-    camera=ADVISED, unit=1e-3, by=By.DEFAULT, looks="x right, y down, z forward", pose=MATRICES,
+    camera=_ADVISED, unit=1e-3, by=By.DEFAULT, looks="x right, y down, z forward", pose=MATRICES,
     takes=("frames_camera",),
 )  # fmt: skip
 def redwood(at: Folder) -> None:

@@ -215,7 +215,7 @@ def _farthest_first(squared: Array) -> NDArray[np.intp]:
     return order
 
 
-class SheetsPart(Part):
+class _SheetsPart(Part):
     has: ClassVar[staticmethod[[Scene, Mesh], bool]]  # whether a mesh of the scene is one of its sheets
 
     def __init__(self, context: DrawContext) -> None:
@@ -229,7 +229,7 @@ class SheetsPart(Part):
 
 
 @parts.register
-class Cutouts(SheetsPart):
+class Cutouts(_SheetsPart):
     """Drawn before all other parts, against the surfaces' depth, not as part of a veil."""
 
     name, order = "cutouts", 0
@@ -246,7 +246,7 @@ class Cutouts(SheetsPart):
 
 
 @parts.register
-class Overlay(SheetsPart):
+class Overlay(_SheetsPart):
     name, order = "overlay", 95
     has = staticmethod(lambda _, mesh: mesh.material.head_locked)
 
@@ -262,7 +262,7 @@ class Overlay(SheetsPart):
 
 
 @parts.register
-class Transparency(SheetsPart):
+class Transparency(_SheetsPart):
     """Blended in, sheets keep the depth behind; as a layer they are one veil at the nearest."""
 
     name, order = "transparency", 70

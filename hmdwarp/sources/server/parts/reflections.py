@@ -28,9 +28,9 @@ class Reflections(Part):
         super().__init__(context)
         shaders = context.gpu.shaders
         mirrors = context.scene.mirrors
-        kinds = [Ball if mirror.shape.is_curved else MirrorSurface for mirror in mirrors]
+        kinds = [Ball if mirror.shape.is_curved else _MirrorSurface for mirror in mirrors]
         self._surfaces = [self.own(kind(context, mirror)) for kind, mirror in zip(kinds, mirrors, strict=True)]
-        self._mirrored: MirroredPasses | None = None
+        self._mirrored: _MirroredPasses | None = None
         self._take = shaders.compute("server/mirror_take.comp")
         self._compose = shaders.compute("server/mirror_compose.comp")
 
@@ -52,7 +52,7 @@ class Reflections(Part):
             seen.colour.use(0)
             units = {"picture": 0, "surface": 1, "seen_inverse_depth": 2, "seen": 0}
             pixel = (1 / eye.size[0], 1 / eye.size[1])
-            mirrors = uniforms_of([one.mirror for one in baked], eye.view, eye.size)
+            mirrors = _uniforms_of([one.mirror for one in baked], eye.view, eye.size)
             self._compose.uniforms.set(size=eye.size, seen_pixel=pixel, **units, **mirrors)
             self.context.gpu.barrier()
             self._compose.run(*eye.size)
@@ -63,14 +63,14 @@ class Reflections(Part):
         self._draw(eye, layered, seen, surface, drawing.marched)
         shapes = tuple(surface.mirror.shape for surface in layered)
         # The pixels in which any of them may be visible.
-        found = [one for shape in shapes if (one := bounds_in_view(shape, eye.view, eye.size)) is not None]
+        found = [one for shape in shapes if (one := _bounds_in_view(shape, eye.view, eye.size)) is not None]
         low_x, low_y, high_x, high_y = zip(*found or [(0, 0, 0, 0)], strict=True)
         bounds = min(low_x), min(low_y), max(high_x), max(high_y)
         mirrored = Surface(seen.colour, seen.inverse_depth)
         return eye.having(reflection=Reflection(mirrored, surface.colour, shapes, bounds))
 
     def _draw(
-        self, eye: EyeImage, chosen: Sequence[MirrorSurface], seen: Target, surface: Target, marched: bool
+        self, eye: EyeImage, chosen: Sequence[_MirrorSurface], seen: Target, surface: Target, marched: bool
     ) -> None:
         over = self.context.framebuffers.over
         over(seen.colour).clear()
@@ -79,21 +79,21 @@ class Reflections(Part):
         onto.clear(alpha=1.0)
         for mirrored in chosen:
             mirrored.draw_surface(eye, onto)
-        mirrors = uniforms_of([surface.mirror for surface in chosen], eye.view, eye.size)
+        mirrors = _uniforms_of([surface.mirror for surface in chosen], eye.view, eye.size)
         # Plane mirrors come first and ignore balls: at the rim of a ball's triangles something else
         # shows.
         planes = mirrors | {"mirror_count": sum(not surface.mirror.shape.is_curved for surface in chosen)}
         for number, one in enumerate(chosen):
             if isinstance(one, Ball):
-                side = FACE_PIXELS + 2
+                side = _FACE_PIXELS + 2
                 around = self.kept(f"around {id(one)}", (3 * side, 2 * side))
                 one.draw_image(eye, number, mirrors, over(seen.colour, seen.inverse_depth), around)
-            elif (bounds := bounds_in_view(one.mirror.shape, eye.view, eye.size)) is not None:
+            elif (bounds := _bounds_in_view(one.mirror.shape, eye.view, eye.size)) is not None:
                 program, behind = self._take, Target(eye.colour, eye.inverse_depth)
                 if marched:
                     program = self.context.gpu.shaders.compute("server/mirror_march.comp")
                 else:
-                    self._mirrored = self._mirrored or self.own(MirroredPasses(self.context))
+                    self._mirrored = self._mirrored or self.own(_MirroredPasses(self.context))
                     behind = self.kept("behind", eye.size)
                     onto = over(behind.colour, behind.inverse_depth)
                     self._mirrored.draw_behind(one.mirror.shape, eye.view, onto, bounds, eye.drawn_ns)
@@ -112,18 +112,18 @@ Bounds = tuple[int, int, int, int]  # x, y of the first pixel, x, y after the la
 APRON_M = 0.4  # as in shaders/lib/mirrors.glsl
 # Per 90 degrees of a curved mirror's surroundings: the ball shrinks a face to about 50 pixels where
 # it covers 150 itself.
-FACE_PIXELS = 160
-CLIP_DISTANCE_0 = 0x3000
+_FACE_PIXELS = 160
+_CLIP_DISTANCE_0 = 0x3000
 
 
-def plane_in_eye(mirror: Mirror, view: View) -> Array:
+def _plane_in_eye(mirror: Mirror, view: View) -> Array:
     """Return the mirror's plane, (4,): times (x, y, z, 1) in eye space, metres in front of it."""
     eye_from_world = view.pose.rotation_matrix.T
     normal = eye_from_world @ mirror.normal
     return np.array([*normal, -normal @ (eye_from_world @ (mirror.centre_m - view.pose.position_m))])
 
 
-def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
+def _bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
     """Return the pixels in which a mirror (a plane one: with its apron) may be visible, or None."""
     if mirror.is_curved:  # the bounds of the cube around a ball; near the eye, those of the picture
         signs = np.stack(np.meshgrid((-1, 1), (-1, 1), (-1, 1)), axis=-1).reshape(-1, 3)
@@ -131,7 +131,7 @@ def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds 
         corners = corners @ view.pose.rotation_matrix
         ahead = -corners[:, 2] >= NEAR_M
         return _bounds_of(corners, view, size) if ahead.all() else (0, 0, *size) if ahead.any() else None
-    if plane_in_eye(mirror, view)[3] <= 0:
+    if _plane_in_eye(mirror, view)[3] <= 0:
         return None
     grow = [half * (1 + APRON_M / np.linalg.norm(half)) for half in (mirror.right_m, mirror.up_m)]
     signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], np.float64)
@@ -155,7 +155,7 @@ def _bounds_of(corners: Array, view: View, size: tuple[int, int]) -> Bounds | No
     return (int(low[0]), int(low[1]), int(high[0]), int(high[1])) if (high > low).all() else None
 
 
-class MirroredPasses(ScenePasses):
+class _MirroredPasses(ScenePasses):
     """The scene behind a plane mirror, in the eye's own pixels; one bounce."""
 
     vertex = "server/mirrored.vert"
@@ -175,15 +175,15 @@ class MirroredPasses(ScenePasses):
         seen = View(view.pose, Fov.from_tangents((low[0], high[0], low[1], high[1])))  # these pixels alone
         clear_depth(gl, framebuffer)
         gl.front_face = "cw"
-        gl.enable_direct(CLIP_DISTANCE_0)
+        gl.enable_direct(_CLIP_DISTANCE_0)
         self.draw_into(seen, framebuffer, (bounds[0], bounds[1], bounds[2] - bounds[0], bounds[3] - bounds[1]), time_ns)
-        gl.disable_direct(CLIP_DISTANCE_0)
+        gl.disable_direct(_CLIP_DISTANCE_0)
         gl.front_face = "ccw"
         framebuffer.viewport = (0, 0, *framebuffer.size)
 
     def _seen_from(self, view: View, place: Place) -> Place:
         """Return the place of the eye behind the mirror; no visibility is cached for it."""
-        plane, behind_from_eye = plane_in_eye(self._mirror, view), np.eye(4)
+        plane, behind_from_eye = _plane_in_eye(self._mirror, view), np.eye(4)
         behind_from_eye[:3] -= 2 * np.outer(plane[:3], plane)
         self._surface.uniforms.set(before_mirror=plane @ place.eye_from_here)
         behind_from_here = behind_from_eye @ place.eye_from_here
@@ -194,7 +194,7 @@ class MirroredPasses(ScenePasses):
         return (np.eye(3) - 2 * np.outer(normal, normal)) @ super()._world_from_ndc(view)
 
 
-class MirrorSurface(Owner):
+class _MirrorSurface(Owner):
     def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
         self.mirror, self._context = mirror, context
         gl, shaders = context.gpu.gl, context.gpu.shaders
@@ -219,7 +219,7 @@ class MirrorSurface(Owner):
             self._drawn.render(moderngl.TRIANGLES)
 
 
-class Ball(MirrorSurface):
+class Ball(_MirrorSurface):
     """A curved mirror; its surroundings are drawn again only where they have changed."""
 
     def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
@@ -261,5 +261,5 @@ class Ball(MirrorSurface):
             self._curved.render(moderngl.TRIANGLES)
 
 
-def uniforms_of(mirrors: Sequence[SceneMirror], view: View, size: tuple[int, int]) -> Uniforms:
+def _uniforms_of(mirrors: Sequence[SceneMirror], view: View, size: tuple[int, int]) -> Uniforms:
     return mirrors_in_eye([mirror.shape for mirror in mirrors], view) | tangents_of_pixels(view, size)
