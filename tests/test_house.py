@@ -150,24 +150,24 @@ def test_every_part_has_its_place():
 # that is done has its budget as its bound. Bounds go down alone.
 ROOMS = {
     "sources": (8500, 8500),
-    "run": (6076, 5400),
-    "client": (6652, 6500),
+    "run": (5570, 5400),
+    "client": (6567, 6500),
     "cloudlight": (3600, 3600),  # done
-    "scenes": (4827, 4600),
-    "poses": (5679, 4500),
-    "pipeline": (4537, 3700),
-    "link frames": (3374, 3100),
-    "image check": (4377, 3200),
-    "gpu geometry headsets": (3747, 3100),
-    "report": (4797, 4200),
-    "experiments": (3701, 3200),
-    "metrics options": (3009, 2600),
-    "cli": (2673, 2400),
-    "display web": (4500, 4000),
-    "study": (10187, 10000),
-    "": (556, 500),  # the modules beside the packages
+    "scenes": (4793, 4600),
+    "poses": (5307, 4500),
+    "pipeline": (4128, 3700),
+    "link frames": (3100, 3100),
+    "image check": (3863, 3200),
+    "gpu geometry headsets": (3614, 3100),
+    "report": (4200, 4200),
+    "experiments": (3367, 3200),
+    "metrics options": (2766, 2600),
+    "cli": (2400, 2400),
+    "display web": (4000, 4000),
+    "study": (10000, 10000),
+    "": (515, 500),  # the modules beside the packages
 }
-TEST_LINES = (70945, 58000)
+TEST_LINES = (62997, 58000)
 DOC_WORDS = (55000, 55000)  # of docs/*.md as `wc -w` counts them
 
 
