@@ -82,7 +82,7 @@ class Registry(Generic[T]):
         """Add `entry` under its `name`; works as a class decorator. Refuse a second one."""
         name: str = entry.name  # type: ignore[attr-defined]
         if name in self._entries:
-            raise ValueError(f"{self.kind} '{name}' is registered twice")
+            raise ValueError(f"{self.kind} '{name}' is registered already: choose another name")
         self._entries[name] = entry() if self._holds_objects and isinstance(entry, type) else entry  # type: ignore[assignment]
         return entry
 

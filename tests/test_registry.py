@@ -55,7 +55,7 @@ def test_an_unknown_name_offers_the_nearest(where):
 def test_a_second_entry_of_a_name_is_refused():
     from hmdwarp.client.fills import fills
 
-    with pytest.raises(ValueError, match="fill 'none' is registered twice"):
+    with pytest.raises(ValueError, match="fill 'none' is registered already: choose another name"):
         fills.register(fills.get("none"))
 
 

@@ -243,9 +243,10 @@ def choose(options: RunOptions, say: Say = lambda text: None) -> Choice:
     why = [f"{level}: {level.total_ms:.2f} of {options.budget_ms:g} ms for one eye, mean FLIP {level.error:.4f}."]
     if device is not None:
         plan = build_plan_for(made.options, source.headset, source.scene)
-        least, _, most = device_ms(plan, options.size or source.headset.eye_size_px, device)
+        wide, high = size = options.size or source.headset.eye_size_px
+        least, _, most = device_ms(plan, size, device)
         made = attrs.evolve(made, range_ms=(least, most))
-        why += [f"That time is a model's: {least:.1f} to {most:.1f} ms on '{device.name}'. {MODEL}"]
+        why += [f"That time is a model's, at {wide}x{high}: {least:.1f} to {most:.1f} ms on '{device.name}'. {MODEL}"]
     for more in found.levels[found.levels.index(level) + 1 :][:1]:
         why += [f"The next better is {more}: {more.total_ms:.2f} ms, mean FLIP {more.error:.4f}."]
     return attrs.evolve(made, notes=(*why, *made.notes))
