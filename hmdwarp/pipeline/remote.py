@@ -259,9 +259,8 @@ class Remote:
                         return request.took_ns
                 if self._misfit:
                     raise InputError(f"{place}: {self._misfit}: use --effects none, or another warp or fill")
-        raise MachineError(
-            f"{place}: no frame in {_ANSWER_NS // 10**9} s: start 'hmdwarp serve' there, and check the address"
-        )
+        remedy = "start 'hmdwarp serve' there, check the address, and read what it has printed"
+        raise MachineError(f"{place}: no frame in {_ANSWER_NS // 10**9} s: {remedy}")
 
     def pace(self, now_ns: int) -> None:
         """Wait so that refreshes come no faster than on the display, where the loop holds."""
