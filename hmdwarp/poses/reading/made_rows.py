@@ -508,11 +508,11 @@ def _in_text(path: Path, raw: bytes) -> Iterator[tuple[str, str, int, list[float
         words = line.split(maxsplit=9)
         try:
             numbers = [float(word) for word in words[:9]]
-            name = words[9].strip()
-        except (ValueError, IndexError):
+            name, camera_id = words[9].strip(), int(numbers[8])
+        except (ValueError, IndexError, OverflowError):
             wanted = "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of points"
             raise TraceError(f"{where}: '{line.strip()[:60]}'; expected {wanted}") from None
-        yield where, name, int(numbers[8]), numbers[1:8]
+        yield where, name, camera_id, numbers[1:8]
         next(lines, None)
 
 
