@@ -911,7 +911,9 @@ def _of_headset(options: RecordOptions, say: Say) -> None:
         Watchdog(options.hang_s, [recorder.save]) as watchdog,
         closing(openxr.OpenXrDisplay(DisplayOptions(watching=watchdog.watching, depth_layer=False))) as shown,
     ):
-        rate_hz = options.rate_hz or shown.rate_hz
+        rate_hz = min(options.rate_hz or shown.rate_hz, shown.rate_hz)
+        if rate_hz < (options.rate_hz or 0):
+            say(f"a headset is asked once a refresh: at {rate_hz:g} Hz, not at {options.rate_hz:g}")
         recorder.begin(shown.about, rate_hz)
         say(_telling(f"{shown.about['headset']} at {rate_hz:g} Hz", recorder, options.seconds))
         count, due_ns = 0, shown.now_ns()

@@ -103,24 +103,25 @@ def meanwhile(path, do: Callable[[], None], seen: Callable[[], bool] = lambda: F
         thread.join()
 
 
-def recording(out: Path, said: list[str], reconnect_s: float) -> None:
-    record(RecordOptions(source="openxr", out=out, rate_hz=50.0, reconnect_s=reconnect_s), said.append)
+def recording(out: Path, said: list[str], reconnect_s: float, rate_hz: float = 20.0) -> None:
+    record(RecordOptions(source="openxr", out=out, rate_hz=rate_hz, reconnect_s=reconnect_s), said.append)
 
 
 def test_poses_are_the_runtime_s(remote_head, tmp_path):
     out, said = tmp_path / "head.csv", []
     remote_head.put(PLACES[0])
     with meanwhile(out, lambda: remote_head.put(PLACES[1]), lambda: places_in(out)[-1] == 1):
-        recording(out, said, 1.0)
+        recording(out, said, 1.0, rate_hz=50.0)
     places = places_in(out)
     assert (np.diff(places) >= 0).all() and (places[0], places[-1]) == (0, 1)
     track = load_trace(out).track
-    # A busy machine samples late, after which the next one has its whole period; now and then it is
-    # in time.
-    assert track.duration_ns >= (len(track) - 2) * 20_000_000 and np.diff(track.time_ns).min() < 30_000_000
-    assert "# rate: 50 Hz" in out.read_text().splitlines()
+    # Monado's screen has 20 Hz. A busy machine samples late, after which the next one has its whole
+    # period; now and then it is in time.
+    assert track.duration_ns >= (len(track) - 2) * 49_000_000 and np.diff(track.time_ns).min() < 75_000_000
+    assert "# rate: 20 Hz" in out.read_text().splitlines()
     assert "Monado" in track.origin and "headset" in track.origin
-    assert said[0].startswith("recording ") and said[-1].startswith(f"{out}: {len(places)} poses, ")
+    assert "at 20 Hz, not at 50" in said[0]
+    assert said[1].startswith("recording ") and said[-1].startswith(f"{out}: {len(places)} poses, ")
 
 
 @pytest.mark.parametrize("returns", [True, False])

@@ -251,7 +251,7 @@ def test_what_is_refused_leaves_nothing(monado):
     with pytest.raises(InputError, match="takes pictures up to"):
         OpenXrDisplay(DisplayOptions(size=(100_000, 64)))
     display = OpenXrDisplay(DisplayOptions(size=SMALL))
-    with pytest.raises(MachineError, match="no room for another program"):
+    with pytest.raises(MachineError, match="LimitReachedError"):
         OpenXrDisplay(DisplayOptions(size=SMALL))
     with display.gpu.current():
         frames(display, 2)
