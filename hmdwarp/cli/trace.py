@@ -129,9 +129,10 @@ def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> dict[str, str]
             f"{longest['length_s']:.3f} s from {longest['start_s']:.3f} s"
         )
     taken = ", ".join(str(segment.number) for segment in loaded.segments if segment.taken)
+    several = f"{len(loaded.segments)} in the file, of which {taken} is read; --json has all"
     return {
         "trace": str(loaded.path),
-        "recordings": f"{len(loaded.segments)} in the file, of which {taken} is read; --json has all",
+        **({"recordings": several} if len(loaded.segments) > 1 else {}),
         "format": loaded.format,
         "origin": loaded.track.origin or "not stated in the file",
         "axes": loaded.axes,

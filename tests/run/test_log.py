@@ -188,7 +188,7 @@ def test_without_a_folder_nothing_is_written_and_all_is_told(monkeypatch, tmp_pa
     validate_summary(result.summary)
     assert result.folder is None and not list(tmp_path.iterdir())
     told = "".join(result.describe())
-    assert told.startswith("shown") and "of 10.00 ms" in told and "report" not in told
+    assert told.startswith("Shown:") and "Time per eye:" in told and "report" not in told
     status = display.statuses[-1]
     assert len(status.age_ms) == len(status.pose_age_ms) == result.summary["frames"]
     assert len(status.total_ms) == len(status.holes) == len(status.period_ms) + 1 == result.summary["frames"]
