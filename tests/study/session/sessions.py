@@ -87,7 +87,7 @@ class SeatedDisplay(OffscreenDisplay):
 
     def __init__(self, gpu, person: Person, at: dict[int, object] | None = None, **more) -> None:
         super().__init__(gpu=gpu, **more)
-        self.person, self._at, self.shown = person, dict(at or {}), 0
+        self.person, self._at, self.shown, self.lost = person, dict(at or {}), 0, 0
         self.titles: list[str] = []
         self.handed: list[tuple[int, bool, object]] = []  # when, whether there was a picture, what lay over it
 
