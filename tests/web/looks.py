@@ -120,9 +120,8 @@ class Own:
             self._warpers[sizes] = Warper(sizes[0], rendered_size=sizes[1], gpu=self._gpu, **how)
         showing = [(panel, panel.showing(round(looked["time"] * 1e6))) for panel in self._scene.panels]
         panels = [attrs.evolve(panel, pictures=panel.pictures[number]) for panel, number in showing]
-        return self._warpers[sizes].warp(
-            colour, metres, view_of(late), view_of(shown), result="srgb8", panels=panels or None
-        )
+        layers = {"panels": panels} if panels else {}
+        return self._warpers[sizes].warp(colour, metres, view_of(late), view_of(shown), result="srgb8", layers=layers)
 
     def __enter__(self) -> Own:
         return self

@@ -352,8 +352,9 @@ def test_a_replay_shows_what_the_page_showed(tmp_path, eyes):
     ahead = LATENCY_MS + 500 / 120  # as the page predicts
     shown = Headset("browser", "a page", "a page", size, 1e3 / REFRESH_MS, (views[0], views[-1]))
     (tmp_path / "headset.toml").write_text(headset_toml(shown), encoding="utf-8")
+    (tmp_path / "delays.csv").write_text("\n".join(map(str, delays_in(alone))), encoding="utf-8")
     command = [
-        *("replay", str(alone), "--scene", "room", "--samples", "1", "--delay-trace", str(alone)),
+        *("replay", str(alone), "--scene", "room", "--samples", "1", "--delay-trace", str(tmp_path / "delays.csv")),
         *("--headset", str(tmp_path / "headset.toml"), "--guard", "1.25"),
         *("--rate", rate, "--server-rate", rate, "--size", f"{size[0]}x{size[1]}", "--predict", "cautious"),
         *("--horizon", str(ahead), "--warp", f"iterative:frames=1,seed=rotation,steps={STEPS}", "--fill", "none"),

@@ -194,9 +194,10 @@ def test_panels_are_laid_as_here(browser, rendered, case, occluded):
     with np.errstate(divide="ignore"):
         metres = np.where(depth < 0, np.nan, 1 / depth)
     warp = f"iterative:frames=1,seed=rotation,steps={STEPS}"
+    effects = "panels,occluded_panels" if occluded else "panels"
     here, bare = (
-        warp_image(colour, metres, from_, to, warp, "none", size, result="linear", panels=laid)
-        for laid in (panels, None)
+        warp_image(colour, metres, from_, to, warp, "none", size, result="linear", **laid)
+        for laid in ({"layers": {"panels": panels}, "effects": effects}, {})
     )
     assert browser.does(brought(panels)) is None
     there, _, _ = in_browser(browser, colour, depth, from_, to, size, "iterative", "panels.laid")
