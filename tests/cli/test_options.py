@@ -70,11 +70,10 @@ def test_a_delay_trace_is_followed(command, tmp_path):
     assert {round(float(row.split(",")[column]), 1) for row in rows[1:]} == {66.7}
 
 
-def test_effects_of_the_link_are_printed_where_there_are_any(command, tmp_path):
+def test_effects_of_the_link_are_on_the_page_where_there_are_any(command, tmp_path):
     options = ("--codec", "h264", "--loss", "0.2", "--link-seed", "2", "--latency", "50")
     told = [part for part in QUICK if part != "--quiet"]
-    out = command(*told, "--seconds", "1", "--out", tmp_path / "out", *options).done().out
-    assert "lost on the network" in out and "Mbit/s" in out and "latency plus this machine's stages" in out
+    command(*told, "--seconds", "1", "--out", tmp_path / "out", *options).done()
     link = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["link"]
     assert link["frames"]["lost"] > 0 and link["codec"] == "h264"
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8").replace("<wbr>", "")
