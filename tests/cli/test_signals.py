@@ -40,7 +40,7 @@ def replaying(tmp_path):
         env={**os.environ, "PYTHONPATH": str(ROOT)}, start_new_session=True,
     )  # fmt: skip
     try:
-        wait_for(lambda: list(out.glob(".partial-*/.replay.mp4.*")) or process.poll() is not None)
+        wait_for(lambda: list(out.glob(".partial-*/*replay.mp4*")) or process.poll() is not None)
         assert process.poll() is None, process.communicate()
         yield process, out
     finally:
