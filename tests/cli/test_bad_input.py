@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 import json
 import os
 import re
@@ -235,6 +236,13 @@ def test_a_removed_name_ends_with_status_2_and_what_to_use_instead(key):
     assert done.stderr.count("\n") == 1
     assert f"was removed: {entries()[key]}" in done.stderr
     assert done.stdout == ""
+
+
+def test_no_command_still_takes_an_option_that_was_removed():
+    """A value typed after it would make a run of it, whatever the message without one."""
+    taken = {f"{name} {option.flag}" for name, options in options_of_commands().items() for option in options}
+    gone = [key for key in entries() if key.split()[-1].startswith("--")]
+    assert [key for key in gone if fnmatch.filter(taken, key)] == [] and len(gone) > 30
 
 
 def test_an_unknown_name_is_no_removed_one():

@@ -195,6 +195,7 @@ class CompareOptions(RecordedOptions):
     start_s: float = same_as(_RUN.start_s, START_S)
     seconds: float | None = same_as(_RUN.seconds, 1.0, help="Seconds to show of each recording.")
     metrics_every: int = same_as(_RUN.metrics_every)
+    jod_s: float = same_as(_RUN.jod_s)
     client_motion: str = same_as(_RUN.client_motion, EXTRAPOLATED)  # no client foresees
     fovea_deg: float | None = same_as(_RUN.fovea_deg)
     rim: int = same_as(_RUN.rim)

@@ -23,7 +23,7 @@ _ADDRESS = r"([a-z]+://[^\s/]+|(?!local:)[^\s/:]+):[1-9][0-9]*"
 _OWN_HEAD = ""
 _OF_EVERY_RUN = (
     *("scene_options", "sequence_options", "trace_options", "samples", "client_motion", "input"),
-    *("headset", "rate_hz", "seconds", "jod_s"),
+    *("headset", "rate_hz", "seconds"),
 )
 _RUN = attrs.fields(RunOptions)
 
@@ -91,7 +91,6 @@ class RecordedOptions(ExperimentOptions):
     samples: int = same_as(_RUN.samples)
     client_motion: str = same_as(_RUN.client_motion)
     input: str = same_as(_RUN.input)
-    jod_s: float = same_as(_RUN.jod_s)
     workers: int | None = same_as(_RUN.workers)
     trace_options: TraceOptions = group(TraceOptions)
 
