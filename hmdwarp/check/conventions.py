@@ -116,7 +116,6 @@ _DEPTH = ("kind", "factor", "end", "offset")
 _WIDE, _PIXELS = ("wide_x", "wide_y"), ("pixel_x", "pixel_y")
 _ROWS = "frames that look up or down, roll or rise against each other"
 _EYES = "pairs of eyes at several places of the head: give two folders, the left eye's first"
-_FOCAL = "a head that turns far, both ways, and moves ahead or back"
 _TIME = "five or more frames with times, close together, while the head changes its speed"
 CONVENTIONS = {
     "order": Convention("quaternion order", _POSES_DIFFER, ("order",), plain=""),

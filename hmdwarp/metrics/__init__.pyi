@@ -3,8 +3,6 @@ from .jod import TRUTH_JOD as TRUTH_JOD
 from .jod import TRUTH_PREFERRED as TRUTH_PREFERRED
 from .jod import Clips as Clips
 from .jod import ShownOn as ShownOn
-from .jod import check_rating as check_rating
-from .jod import clip_length as clip_length
 from .jod import preferring as preferring
 from .jod import ratings_of as ratings_of
 from .library.alike import flip as flip

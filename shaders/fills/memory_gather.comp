@@ -53,7 +53,8 @@ bool in_front(ivec2 texel, float own) {
 }
 
 // Where to take the colour of a point: beside a silhouette, whose colour antialiasing has mixed
-// into the outermost pixel behind it, one pixel farther off where that is the same surface.
+// into the outermost pixel behind it, half a pixel farther off where that is the same surface. The
+// shown pixel beside a silhouette is mixed too: a whole pixel is worse (docs/results-fills.md).
 vec2 unmixed(vec2 at) {
     ivec2 texel = ivec2(floor(at));
     float own = held(texel);
