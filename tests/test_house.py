@@ -167,7 +167,7 @@ ROOMS = {
     "study": (10000, 10000),
     "": (515, 500),  # the modules beside the packages
 }
-TEST_LINES = (62998, 58000)
+TEST_LINES = (63003, 58000)
 DOC_WORDS = (55000, 55000)  # of docs/*.md as `wc -w` counts them
 
 

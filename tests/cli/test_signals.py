@@ -167,6 +167,6 @@ def test_a_window_records_who_moves_in_it(tmp_path):
     assert process.returncode == 0, err
     track = load_trace(out).track
     assert f"{out}: {len(track)} poses" in err
-    assert track.origin.startswith("hmdwarp live, window '")
+    assert track.origin.startswith("hmdwarp live, display 'window'")
     forward = track.position_m[0, 2] - track.position_m[-1, 2]
     assert forward > 0.05  # -z is forward

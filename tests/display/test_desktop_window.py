@@ -123,7 +123,7 @@ def test_mouse_turns_once_caught_and_escape_lets_it_go(live):
     _, _, w, h = live.geometry
     until(lambda: f"x:{w // 2} y:{h // 2} " in live.screen.do("getmouselocation"), "a caught mouse, in the middle")
     live.screen.do("mousemove_relative", 60, 0)  # 6 degrees to the right
-    live.shows(lambda p: apart(p, before) > NOISE, "another direction")
+    live.shows(lambda p: shift(before, p) < -8, "another direction")
     turned = settled(live)
     # 6 degrees are tan(6 deg) / 2.185 of the picture's width in its middle; what is there moves to
     # the left.
