@@ -5,6 +5,7 @@ import os
 import signal
 import sys
 import time
+from contextlib import ExitStack, closing
 
 import attrs
 import numpy as np
@@ -146,62 +147,49 @@ def steps(remote: Remote, size: tuple[int, int], lives=lambda: True):
         time.sleep(0.005)
 
 
+WHERE = ["up", "down", "connecting", "within a frame", "for good", "for good up", "a stopped server"]
+
+
 @pytest.mark.parametrize("seconds", SECONDS)
-@pytest.mark.parametrize("where", ["up", "down", "connecting", "within a frame", "for good", "for good up"])
+@pytest.mark.parametrize("where", WHERE)
 def test_a_link_that_falls_silent_is_told_and_taken_up_again(monkeypatch, where, seconds):
     """One that is silent for good stays so: the client makes a new connection."""
     # The server's limit, which is all that ends a connection of which only the way up is lost.
     monkeypatch.setattr(sockets, "SILENT_NS", 3_000_000_000)
     lines: list[str] = []
-    with feeder() as address, Relay(port_of(address)) as relay:
-        remote = Remote(FeedOptions(connect=relay.address), holds=False, say=lines.append)
-        came = steps(remote, (96, 80))
+    with ExitStack() as stack:
+        stopped = stack.enter_context(Serving()) if where == "a stopped server" else None
+        address = stopped.address if stopped else stack.enter_context(feeder())
+        relay = stack.enter_context(Relay(port_of(address)))
+        remote = stack.enter_context(closing(Remote(FeedOptions(connect=relay.address), holds=False, say=lines.append)))
+        came = steps(remote, (96, 80), lambda: stopped is None or stopped.process.poll() is None)
         while not next(came):
             pass
-        begun, connections = time.monotonic(), relay.accepted
+        begun, connections, lasts = time.monotonic(), relay.accepted, seconds
         lines.clear()
-        silenced(relay, where)
-        while not any("not a byte" in line or "the last one stays" in line for line in lines):
+        if stopped:
+            stopped.process.send_signal(signal.SIGSTOP)
+        else:
+            silenced(relay, where)
+            lasts = seconds if relay.silent else 0
+        told = ("not a byte", "the last one stays") if stopped else ("the last one stays",)
+        while not all(text in "".join(lines) for text in told):
             next(came)
         told_s = time.monotonic() - begun
-        while relay.silent and time.monotonic() - begun < seconds:
+        while time.monotonic() - begun < lasts:
             next(came)
         relay.silent, begun = set(), begun if "for good" in where else time.monotonic()
+        if stopped:
+            stopped.process.send_signal(signal.SIGCONT)
         while not next(came) or remote.notice:
             pass
-        timed(f"silent, {where}", 0 if "for good" in where else seconds, told_s, time.monotonic() - begun)
-        if where not in ("up", "down"):
+        timed(where, lasts, told_s, time.monotonic() - begun)
+        if where not in ("up", "down", "a stopped server"):
             assert relay.accepted > connections
-        assert remote.summary()["malformed"] == 0
+        assert remote.summary()["malformed"] == 0 and any("frames come again" in line for line in lines)
         # However long it takes, it is said once.
         assert sum("not a byte" in line for line in lines) <= 1
-        remote.close()
-
-
-@pytest.mark.parametrize("seconds", SECONDS)
-def test_a_server_that_is_stopped_is_told_and_taken_up_again(seconds):
-    lines: list[str] = []
-    with Serving() as one:
-        remote = Remote(FeedOptions(connect=one.address), holds=False, say=lines.append)
-        came = steps(remote, (64, 48), lambda: one.process.poll() is None)
-        while not next(came):
-            pass
-        one.process.send_signal(signal.SIGSTOP)
-        begun = time.monotonic()
-        # Both are told at about the same time: that no frame comes, and why.
-        while not all(text in "".join(lines) for text in ("not a byte", "the last one stays")):
-            next(came)
-        told_s = time.monotonic() - begun
-        while time.monotonic() - begun < seconds:
-            next(came)
-        one.process.send_signal(signal.SIGCONT)
-        begun = time.monotonic()
-        while not next(came) or remote.notice:
-            pass
-        timed("a stopped server", seconds, told_s, time.monotonic() - begun)
-        assert any("frames come again" in line for line in lines)
-        remote.close()
-        assert one.process.poll() is None
+        assert stopped is None or stopped.process.poll() is None
 
 
 def test_a_long_frame_over_a_narrow_link_is_no_silence(relay, listener, caller):

@@ -168,22 +168,6 @@ def test_a_fate_is_told_from_when_it_is_heard_until_a_request_that_told_it_is_an
         assert told(session.asked(1200, needs)) == (lost,)
 
 
-def test_the_log_counts_requests_that_were_replaced_before_they_were_drawn():
-    said, drawn, count = [], 0, 50
-    with closing(Listener("127.0.0.1:*", say=said.append)) as listener, zmq.Context() as context:
-        socket = context.socket(zmq.DEALER)
-        socket.connect(listener.address)
-        for number in range(1, count + 1):
-            socket.send(encode(attrs.evolve(ASK, number=number, token=bytes(32))))
-        newest = 0
-        while newest < count:
-            newest, drawn = next_asked(listener).ask.number, drawn + 1
-        socket.close(0)
-        while not any("superseded" in line for line in said):
-            listener.next(20)
-    assert f"{count - drawn} requests superseded" in " ".join(said)
-
-
 @pytest.mark.parametrize("room", [1, 3])
 def test_frames_that_were_taken_no_longer_count_as_held(monkeypatch, room):
     """Two frames that fit are both there, however many were taken before."""

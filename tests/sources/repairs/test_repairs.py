@@ -51,6 +51,9 @@ def test_no_depth_is_invented_outside_what_was_measured(text, frame):
     assert ((confidence >= 0) & (confidence <= 1)).all() and np.array_equal(confidence == 0, np.isnan(depth))
     assert same(inverse, before) and same(depth, again.inverse_depth) and same(confidence, again.confidence)
     assert len(known) or np.isnan(depth).all()
+    if "edges" not in text:  # which takes away what flies
+        assert np.array_equal(depth[~np.isnan(inverse)], known)
+        assert (confidence[~np.isnan(inverse)] == 1).all() and (confidence[np.isnan(inverse)] < 1).all()
     depth = depth[~np.isnan(depth)]
     if len(depth):
         slack = 16 * 2.0**-24 * known.max()
@@ -147,15 +150,6 @@ def test_each_guess_is_what_the_definition_says(seed):
         assert found.confidence[row, column] == pytest.approx(confidence, rel=2e-4)
 
 
-def test_measured_depth_stays_bit_for_bit():
-    rng = np.random.default_rng(5)
-    colour, inverse = two_surfaces(size=(700, 40))  # so large that gaps are closed on fewer pixels
-    inverse[rng.random(inverse.shape) < 0.4] = np.nan
-    found, known = complete(colour, inverse), ~np.isnan(inverse)
-    assert np.array_equal(found.inverse_depth[known], inverse[known])
-    assert (found.confidence[known] == 1).all() and (found.confidence[~known] < 1).all()
-
-
 @pytest.mark.parametrize("size", [(96, 72), (641, 479)])
 def test_a_gap_at_a_silhouette_goes_to_each_side_by_its_colour(size):
     """A ring around the disc's outline has no depth. Where gaps are closed on blocks, those that
@@ -172,19 +166,15 @@ def test_a_gap_at_a_silhouette_goes_to_each_side_by_its_colour(size):
     assert set(np.unique(found.inverse_depth)) == {np.float32(1), np.float32(0.25)}  # never between them
 
 
-def test_confidence_falls_with_distance_and_between_surfaces():
-    """At the reach, 0.075 of the longer side, it is a half of the share; no share is lost here."""
+def test_below_the_least_confidence_holes_are_left():
+    """At the reach, 0.075 of the longer side, it is a half."""
     inverse, colour = np.full((40, 200), np.nan, np.float32), np.full((40, 200, 3), 0.5, np.float32)
     inverse[:, :50] = 0.5
     whole, parted = (complete(colour, inverse, text) for text in ("complete", "complete:least=0.5"))
-    found = whole.confidence
-    assert (np.diff(found[20, 50:]) <= 0).all()
-    assert found[20, 49 + 15] == pytest.approx(0.5, rel=1e-6)
+    assert (np.diff(whole.confidence[20, 50:]) <= 0).all()
+    assert whole.confidence[20, 49 + 15] == pytest.approx(0.5, rel=1e-6)
     assert not np.isnan(whole.inverse_depth).any()
-    assert np.array_equal(np.isnan(parted.inverse_depth), found < 0.5), "least confidence leaves holes"
-    inverse[:, 80:] = 2.0  # another surface, of the same colour: the middle may be either
-    both = complete(colour, inverse).confidence
-    assert both[20, 64] < found[20, 64] and both[20, 50] > 0.9
+    assert np.array_equal(np.isnan(parted.inverse_depth), whole.confidence < 0.5)
 
 
 SETTINGS = repairs.get("edges").Settings()
@@ -218,20 +208,6 @@ def test_nothing_is_moved_without_evidence():
     given = moved(inverse, 0, 3)
     for text in ("edges:most=0", "edges:evidence=1000"):
         assert same(edges(colour, given, text).inverse_depth, given)
-
-
-@pytest.mark.parametrize("mixture", [(0.6,), (0.8, 0.5), (0.85, 0.6), (0.4, 0.3)])
-def test_flying_pixels_lose_their_depth_and_no_others_do(mixture):
-    """A column or two between a surface at 1 /m and one at 0.25 /m; NaN counts 0, the rest 1. Each
-    is 15 % and 0.05 * 15 % /m beyond one side and short of the other within two pixels."""
-    inverse = np.full((30, 40), 0.25, np.float32)
-    inverse[:, :20] = 1
-    inverse[:, 20 : 20 + len(mixture)] = mixture
-    found = edges(np.full((30, 40, 3), 0.5, np.float32), inverse)
-    flying = np.isnan(found.inverse_depth)
-    assert flying[:, 20 : 20 + len(mixture)].all() and flying.sum() == 30 * len(mixture)
-    assert np.array_equal(found.inverse_depth[~flying], inverse[~flying])
-    assert np.array_equal(found.confidence, (~flying).astype(np.float32))
 
 
 def is_between(inverse: np.ndarray, row: int, column: int) -> bool:

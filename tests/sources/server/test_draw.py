@@ -13,9 +13,8 @@ from scipy.spatial.transform import Rotation
 from worlds import pixels
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import SCALAR, allocate
-from hmdwarp.scenes import Background, Ball, Mesh, Quad, Scene, load_scene
-from hmdwarp.sources.server import Server, Target
+from hmdwarp.scenes import Ball, Quad, load_scene
+from hmdwarp.sources.server import Server
 
 QUADS, BALLS, (FLOOR,) = shapes_of("planes", Quad), shapes_of("spheres", Ball), shapes_of("spheres", Quad)
 SIZE = (97, 61)
@@ -57,13 +56,6 @@ def depth_tolerance(exact: np.ndarray) -> np.ndarray:
 @pytest.fixture(scope="module")
 def planes(gpu):
     server = Server(gpu, load_scene("planes"))
-    yield server
-    server.close()
-
-
-@pytest.fixture(scope="module")
-def room(gpu):
-    server = Server(gpu, load_scene("room"))
     yield server
     server.close()
 
@@ -111,17 +103,6 @@ def test_the_guarded_picture_contains_the_unguarded_one(planes):
     planes.pool(size).release(plain.colour)
 
 
-def test_two_draws_and_depth_alone_are_bit_equal(room):
-    view, size = random_view(2), (129, 77)
-    first, second = room.draw(view, size), room.draw(view, size)
-    depth_alone = room.draw_depth(view, size, allocate(room.gpu.gl, size, SCALAR))
-    assert first.colour.read() == second.colour.read()
-    assert first.inverse_depth.read() == second.inverse_depth.read() == depth_alone.read()
-    for eye_image in (first, second):
-        room.pool(size).release(eye_image.colour)
-    depth_alone.release()
-
-
 def test_a_scene_a_million_metres_away_draws_the_same_picture_to_the_last_bit(serve):
     near, offset = (
         load_scene("planes"),
@@ -135,36 +116,6 @@ def test_a_scene_a_million_metres_away_draws_the_same_picture_to_the_last_bit(se
         drawn = server.draw(eye, SIZE)
         pictures.append((drawn.colour.read(), drawn.inverse_depth.read()))
     assert pictures[0] == pictures[1]
-
-
-def one_triangle(*, double_sided: bool) -> Scene:
-    """A large triangle 2 m in front, its front towards the origin."""
-    corners = [(-3, -3, -2), (3, -3, -2), (0, 4, -2)]
-    ones = np.ones((3, 3))
-    mesh = Mesh("triangle", corners, ones * (0, 0, 1), np.zeros((3, 2)), ones, [(0, 1, 2)], -1, double_sided)
-    return Scene("triangle", "", (mesh,), background=Background.uniform((0, 0, 0)))
-
-
-@pytest.mark.parametrize("double_sided", [False, True])
-def test_backs_are_left_out_unless_the_mesh_is_double_sided(serve, double_sided):
-    server, fov = serve(one_triangle(double_sided=double_sided)), Fov.symmetric(0.4, 0.4)
-    front = View(Pose(), fov)
-    behind = View(Pose((0, 0, -4), (0, 1, 0, 0)), fov)
-    for view, visible in ((front, True), (behind, double_sided)):
-        drawn = pixels(server.draw(view, (9, 9)).inverse_depth)
-        assert (drawn == (0.5 if visible else 0)).all()
-
-
-def test_targets_of_others_work_and_a_reused_gl_name_is_not_mistaken_for_the_old_texture(planes):
-    view, size = random_view(0), (16, 12)
-    reference = planes.draw(view, size)
-    expected = reference.inverse_depth.read()
-    for _ in range(3):
-        target = Target(planes.gpu.gl.texture(size, 4, dtype="f2"), planes.gpu.gl.texture(size, 1, dtype="f4"))
-        assert planes.draw(view, size, target).inverse_depth.read() == expected
-        target.colour.release()
-        target.inverse_depth.release()
-    planes.pool(size).release(reference.colour)
 
 
 def test_drawing_leaves_culling_depth_test_and_framebuffer_as_they_were(planes):
