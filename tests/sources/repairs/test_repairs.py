@@ -1,23 +1,51 @@
-"""Repairs: what every one keeps to, and what complete and edges do by their definitions."""
+"""Repairs: what every one keeps to, what complete and edges do by their definitions, and what they
+gain on the frames of a depth camera in a rendered scene."""
 
 from __future__ import annotations
 
+import functools
 import itertools
 
 import attrs
 import numpy as np
 import pytest
+from depth_camera import CameraFrame, DepthCamera
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import ndimage
 
+from hmdwarp import Pose, warp_image
 from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.metrics import psnr
+from hmdwarp.scenes import load_scene
 from hmdwarp.sources.repairs import parse_repairs, repairs
 from hmdwarp.sources.repairs.edges import depth_offset
-
-from .pictures import moved, same, two_surfaces
+from hmdwarp.sources.server import Server
 
 CHAINS = [*repairs.names(), "edges+complete", "complete+edges", "complete:least=0.5"]
 SIZES = [(1, 1), (2, 1), (1, 9), (7, 5), (33, 17), (40, 64)]
+
+
+def two_surfaces(size=(96, 72), near=1.0, far=0.25, rng=None) -> tuple[np.ndarray, np.ndarray]:
+    """A disc before a wall, each of one colour with some noise: sRGB colour, inverse depth."""
+    rng = np.random.default_rng(0) if rng is None else rng
+    wide, high = size
+    rows, columns = np.indices((high, wide))
+    disc = (rows - 0.45 * high) ** 2 + (columns - 0.55 * wide) ** 2 < (0.3 * high) ** 2
+    colour = np.where(disc[..., None], (0.8, 0.3, 0.2), (0.2, 0.4, 0.6)) + 0.02 * rng.standard_normal((high, wide, 3))
+    return np.clip(colour, 0, 1).astype(np.float32), np.where(disc, near, far).astype(np.float32)
+
+
+def moved(values: np.ndarray, down: int, right: int) -> np.ndarray:
+    """The picture moved by whole pixels, NaN where nothing comes in."""
+    padded = np.pad(values, 16, constant_values=np.nan)
+    high, wide = values.shape
+    return padded[16 - down : 16 - down + high, 16 - right : 16 - right + wide]
+
+
+def same(one: np.ndarray, other: np.ndarray) -> bool:
+    """Bit for bit, NaN included."""
+    return one.dtype == other.dtype and np.array_equal(one, other, equal_nan=True)
 
 
 @st.composite
@@ -237,3 +265,52 @@ def test_removed_depth_is_that_of_the_definition(seed):
     with np.errstate(invalid="ignore"):
         wanted = np.array([[is_between(inverse, y, x) for x in range(23)] for y in range(17)])
     assert np.array_equal(np.isnan(found.inverse_depth), wanted | np.isnan(inverse))
+
+
+CAMERA_SIZE = (160, 120)
+LATER_NS = 500_000_000  # 6 cm and 0.6 degrees
+MIXED = "mixed"  # a fault of ours: each depth is the mean of 3 x 3, as a time-of-flight camera has it
+FAULTS = {
+    "none": {}, "gaps": {"edge_gaps": 0.7}, "noise": {"noise": 0.0025}, "shift": {"shift": (-3.0, 2.0)}, MIXED: {},
+    "all": {"shift": (2.0, 1.0), "edge_gaps": 0.5, "noise": 0.0025, "far_m": 6.0, "readout_ns": 10**7},
+}  # fmt: skip
+
+
+def head_at(time_ns: int) -> Pose:
+    seconds, half = time_ns / 1e9, 0.1 + 0.01 * time_ns / 1e9
+    return Pose((0.12 * seconds, 1.6, 0.02 * seconds), (0, np.sin(half), 0, np.cos(half)))
+
+
+@pytest.fixture(scope="module", params=["room", "spheres"])
+def frame_of(request, gpu):
+    """frame_of(fault) is a frame of the camera; frame_of(None) the truth that is shown later."""
+    server = Server(gpu, load_scene(request.param))
+
+    @functools.cache
+    def record(fault: str | None) -> CameraFrame:
+        camera, time_ns = DepthCamera(CAMERA_SIZE, **FAULTS[fault or "none"]), 0 if fault else LATER_NS
+        frame = camera.record(server, head_at, [time_ns], np.random.default_rng(0))[0]
+        if fault != MIXED:
+            return frame
+        count = ndimage.uniform_filter((frame.depth_m > 0).astype(float), 3)
+        mixed = ndimage.uniform_filter(frame.depth_m, 3) / np.maximum(count, 1e-9)
+        return attrs.evolve(frame, depth_m=np.where(frame.depth_m > 0, mixed, 0))
+
+    yield record
+    server.close()
+
+
+# Does to silhouettes nothing of its own: by default it does to mixed depth what `edges` does.
+WARP = "iterative:sheet=0,fringe=own"
+
+
+def error_db(frame_of, fault: str, repair: str) -> float:
+    frame, truth = frame_of(fault), frame_of(None)
+    shown = warp_image(frame.colour, frame.depth_m, frame.view, truth.view, warp=WARP, repair=repair)
+    return psnr(shown.colour, truth.colour)
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_complete_gains_what_it_was_measured_to(frame_of, fault):
+    """Measured: 1.4 to 9.9 dB, with the sky of both scenes among what has no depth."""
+    assert error_db(frame_of, fault, "edges+complete") > error_db(frame_of, fault, "none") + 1
