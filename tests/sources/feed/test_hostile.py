@@ -40,15 +40,6 @@ zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[
 MIB = 1 << 20
 
 
-@pytest.fixture
-def listener():
-    told: list[str] = []
-    made = Listener("127.0.0.1:*", say=told.append)
-    made.told = told
-    yield made
-    made.close()
-
-
 def raw(listener) -> socket.socket:
     """A client that speaks the library's protocol by hand."""
     one = socket.create_connection(("127.0.0.1", port_of(listener.address)))

@@ -18,20 +18,12 @@ from hmdwarp.pipeline.remote import Remote
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.sources.feed import FeedOptions, sockets
 from hmdwarp.sources.feed.caller import Caller
-from hmdwarp.sources.feed.listener import Listener
 
 from .exchange import answered, exchanged, feeder, port_of
 from .messages import ASK, FRAME
 from .relay import Relay
 
 pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
-
-
-@pytest.fixture
-def listener():
-    made = Listener("127.0.0.1:*")
-    yield made
-    made.close()
 
 
 @pytest.fixture
