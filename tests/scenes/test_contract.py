@@ -8,7 +8,7 @@ import pytest
 
 from hmdwarp.client.effects import effects
 from hmdwarp.errors import SceneError
-from hmdwarp.scenes import Mesh, Scene, Texture, load_scene, scenes
+from hmdwarp.scenes import Material, Mesh, Scene, Texture, load_scene, scenes
 
 NAMES = scenes.names()
 
@@ -82,9 +82,16 @@ def mesh_with(**changes) -> Mesh:
     return Mesh("bent", **(fields | changes))
 
 
+MATERIALS = (
+    {"tint": (1.0, 1.0)}, {"see_through": True, "tint": (1.2, 1.0, 1.0)}, {"tint": (0.5, 1.0, 1.0)},
+    {"transmission": 0.5}, {"see_through": True, "transmission": 1.5}, {"see_through": True, "head_locked": True},
+)  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
+        *((lambda wrong=wrong: Material(**wrong), "material") for wrong in MATERIALS),
         (lambda: mesh_with(positions=[(0, 0, 0), (0, np.nan, 0), (1, 1, 1)]), "positions of vertex 1"),
         (lambda: mesh_with(normals=np.full((3, 3), np.inf)), "normals of vertex 0"),
         (lambda: mesh_with(uv=np.ones((2, 2))), "3 positions but 2 uv"),

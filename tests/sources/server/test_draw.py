@@ -13,10 +13,10 @@ from scipy.spatial.transform import Rotation
 from worlds import pixels
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.scenes import Ball, Quad, load_scene
+from hmdwarp.scenes import Quad, load_scene
 from hmdwarp.sources.server import Server
 
-QUADS, BALLS, (FLOOR,) = shapes_of("planes", Quad), shapes_of("spheres", Ball), shapes_of("spheres", Quad)
+QUADS = shapes_of("planes", Quad)
 SIZE = (97, 61)
 FLOAT32_UNIT = 2.0**-24
 # A rasteriser may snap corners to 1/256 pixel, half of it each way in each axis (measured on

@@ -13,7 +13,7 @@ from worlds import pixels as read
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, allocate
-from hmdwarp.scenes import Body, Mesh, Scene, Spinning, Track
+from hmdwarp.scenes import Body, Mesh, Quad, Scene, Spinning, Track
 from hmdwarp.sources.server import Server
 
 MS = 1_000_000
@@ -23,11 +23,8 @@ ALL = Needs(ids=True, velocity=True)
 
 
 def quad(name: str, z: float, half: float, colour: tuple, **settings) -> Mesh:
-    positions = np.array([(-half, -half, z), (half, -half, z), (half, half, z), (-half, half, z)])
-    light = np.tile(colour, (4, 1))
-    return Mesh(
-        name, positions, np.tile((0, 0, 1.0), (4, 1)), np.zeros((4, 2)), light, [(0, 1, 2), (0, 2, 3)], **settings
-    )
+    mesh = Quad((0, 0, z), (half, 0, 0), (0, half, 0), -1, colour).mesh(name)
+    return attrs.evolve(mesh, **{"double_sided": False} | settings)
 
 
 class Breathing:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 import pytest
 from reference._rays import world_directions
@@ -10,19 +11,14 @@ from worlds import pixels
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View, cube_size, face_views
 from hmdwarp.geometry.cube import FACES
-from hmdwarp.scenes import Background, Mesh, Scene
+from hmdwarp.scenes import Background, Quad, Scene
 
 VIEW = View(Pose((0.3, 1.5, -0.2), (0.1, 0.2, -0.05, 0.9)), Fov(-0.7, 0.8, -0.6, 0.75))
 SIZE = (61, 47)
 
 
-@pytest.fixture
-def server(serve):
-    made = serve("room")
-    yield made
-
-
-def test_each_face_is_the_picture_of_its_view(server):
+def test_each_face_is_the_picture_of_its_view(serve):
+    server = serve("room")
     frame = server.draw_frame([VIEW], 0, SIZE, needs=Needs(cube=True))
     eye = frame.eyes[0]
     assert eye["cube"].size == cube_size(VIEW.fov, SIZE)
@@ -46,20 +42,12 @@ AHEAD = View(Pose(), FOV)
 def walls(*depths_m: float, half: float = 0.3, double_sided: bool = False, facing: float = 1) -> Scene:
     """Squares of half edge `half` times their distance, one behind the other before the origin,
     number k of brightness k + 1."""
-    meshes = []
-    for k, depth in enumerate(depths_m):
-        r = half * depth
-        corners = [
-            (-r * facing, -r, -depth), (r * facing, -r, -depth), (r * facing, r, -depth), (-r * facing, r, -depth),
-        ]  # fmt: skip
-        light = np.full((4, 3), k + 1.0)
-        triangles = [(0, 1, 2), (0, 2, 3)]
-        meshes.append(
-            Mesh(
-                f"wall {k}", corners, np.tile((0, 0, 1.0), (4, 1)), np.zeros((4, 2)), light, triangles, -1, double_sided
-            )
-        )
-    return Scene("walls", "", tuple(meshes), background=Background.uniform(SKY))
+    meshes = [
+        Quad((0, 0, -z), (half * z * facing, 0, 0), (0, half * z, 0), -1, (k + 1.0,) * 3).mesh(f"wall {k}")
+        for k, z in enumerate(depths_m)
+    ]
+    meshes = [attrs.evolve(mesh, double_sided=double_sided) for mesh in meshes]
+    return Scene("walls", "", meshes, background=Background.uniform(SKY))
 
 
 def peeled(serve, scene: Scene, count: int, view: View = AHEAD) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 from worlds import pixels
 
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.scenes import Background, Mesh, Scene, load_scene
+from hmdwarp.scenes import Background, Quad, Scene, load_scene
 
 SIZE = (64, 48)
 FRONT, BACK = np.array([0.75, 0.25, 0.5]), np.array([0.125, 0.5, 1.0])
@@ -16,18 +17,12 @@ SLOPE = 0.3  # tangents that the silhouette moves aside for each it goes up
 HALF = 2.0**-11  # relative rounding of a colour in 16 bits
 
 
-def sheet(name: str, corners: list[tuple[float, float, float]], light: np.ndarray) -> Mesh:
-    ones = np.ones((4, 1))
-    return Mesh(name, corners, ones * (0, 0, 1), np.zeros((4, 2)), ones * light, [(0, 1, 2), (0, 2, 3)], -1)
-
-
 def before_a_wall() -> Scene:
     """A sheet at 1 m left of a slanted silhouette, before a wall at 4 m."""
-    near = [(-3.0, -1.0, -1.0), (-SLOPE, -1.0, -1.0), (SLOPE, 1.0, -1.0), (-3.0, 1.0, -1.0)]
-    far = [(-9.0, -9.0, -4.0), (9.0, -9.0, -4.0), (9.0, 9.0, -4.0), (-9.0, 9.0, -4.0)]
-    return Scene(
-        "two", "", (sheet("near", near, FRONT), sheet("far", far, BACK)), background=Background.uniform((9,) * 3)
-    )
+    corners = [(-3.0, -1.0, -1.0), (-SLOPE, -1.0, -1.0), (SLOPE, 1.0, -1.0), (-3.0, 1.0, -1.0)]
+    near, far = (Quad((0, 0, -4), (9, 0, 0), (0, 9, 0), -1, light).mesh("sheet") for light in (FRONT, BACK))
+    meshes = (attrs.evolve(near, positions=corners), far)
+    return Scene("two", "", meshes, background=Background.uniform((9,) * 3))
 
 
 def covered_by_the_sheet() -> np.ndarray:
