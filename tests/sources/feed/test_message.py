@@ -20,7 +20,6 @@ from hmdwarp.pipeline.feed_coding import FeedDecoder, FeedEncoder, depth_error, 
 from hmdwarp.scenes import InputEvent
 from hmdwarp.sources.feed.bounds import BOUNDS
 from hmdwarp.sources.feed.message import (
-    ANY,
     AV1,
     DEPTH_CODES,
     DEPTH_EXACT,
@@ -42,7 +41,6 @@ from hmdwarp.sources.feed.message import (
     Wish,
     decode,
     encode,
-    length_of,
 )
 from hmdwarp.sources.feed.parts import BadPart, Packed, Wanted, packed
 
@@ -385,19 +383,6 @@ def test_coded_frames_come_back_in_fewer_bytes(colour, depth):
         # What `depth_error` tells the warps is a bound, but for the few of a video.
         assert depth == DEPTH_VIDEO or depth_off.max() <= depth_error(back, encoder.wish) <= STEP
         assert depth_off.mean() <= STEP and (back.inverse_depths[0] == 0).sum() == (frame.inverse_depths[0] == 0).sum()
-
-
-@pytest.mark.parametrize("colour", [H264, RGBA8, ANY])
-def test_depth_that_is_not_wished_is_left_out_and_all_of_the_picture_counts_as_drawn(colour):
-    encoder, decoder = asked(colour, NONE), FeedDecoder()
-    for number in range(2):
-        frame = drawn(number, light=colour == ANY)
-        sent = encoder.encode(attrs.evolve(frame, inverse_depths=(b"",) * 2))
-        back = decoder.decode(decode(encode(sent)))
-        assert sent.bytes == sum(map(length_of, sent.colours)) and not decoder.wants_anew
-        assert back.inverse_depths == (b"",) * 2 and back.size == SIZE
-        light = back.light(1)
-        assert np.abs(light.astype(float) - frame.light(1)).mean() < 0.02 and (light[..., 3] == 1).all()
 
 
 @pytest.mark.parametrize("largest", [0.9, 3.0, 300.0])

@@ -291,9 +291,3 @@ def test_an_address_beyond_this_machine_needs_keys_a_secret_or_consent(pair):
         Listener("0.0.0.0:*", **allowed).close()
     with pytest.raises(InputError, match="--key-pair NAME or --token-file FILE, or --open"):
         Listener("0.0.0.0:*")
-
-
-@pytest.mark.parametrize("option", ["server_key", "token_file"])
-def test_a_key_or_secret_without_a_server_is_refused(tmp_path, option):
-    with pytest.raises(InputError, match="--connect"):
-        FeedOptions(**{option: tmp_path})

@@ -21,7 +21,10 @@ pytestmark = pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installe
 COLOUR, DEPTH = "/camera/color/image_raw", "/camera/aligned_depth_to_color/image_raw"
 
 
-def changed(folder: Path, change: Callable[[Messages, Logged], Iterator[Logged]], motion: str = "tf") -> Path:
+Change = Callable[[Messages, Logged], Iterator[Logged]]
+
+
+def changed(folder: Path, change: Change, motion: str = "tf") -> Path:
     """A bag of ROS 2 whose messages are changed one by one."""
     messages = Messages(2)
     rows = (new for row in logged(messages, taken(3), motion) for new in change(messages, row))
@@ -29,8 +32,13 @@ def changed(folder: Path, change: Callable[[Messages, Logged], Iterator[Logged]]
     return folder
 
 
-def without(*topics: str) -> Callable[[Messages, Logged], Iterator[Logged]]:
+def without(*topics: str) -> Change:
     return lambda _, row: iter([] if row[0] in topics else [row])
+
+
+def with_other(topic: str, make: Callable[[Messages, int], object]) -> Change:
+    """Change the messages of topics that end so. make(messages, stamp)."""
+    return lambda messages, row: iter([(*row[:3], make(messages, row[2])) if row[0].endswith(topic) else row])
 
 
 def test_one_file_of_several_is_told(tmp_path):
@@ -59,38 +67,46 @@ def test_of_several_cameras_the_user_names_one(tmp_path):
     refused(tmp_path, "expected colour=TOPIC", options=SequenceOptions(frames_topics="left=/other"))
 
 
-def test_depth_of_another_frame_is_refused(tmp_path):
-    def moved(messages: Messages, row: Logged) -> Iterator[Logged]:
-        depth = np.ones((24, 36), np.uint16)
-        yield (*row[:3], messages.image(row[2], depth, "16UC1", "depth_frame")) if row[0] == DEPTH else row
+GREY, STEPS, METRES = np.zeros((24, 36), np.uint8), np.ones((24, 36), np.uint16), np.full((24, 36), 2.5, np.float32)
+BAYER = with_other(COLOUR, lambda messages, stamp: messages.image(stamp, GREY, "bayer_rggb8"))
+DISTORTED = with_other("camera_info", lambda messages, stamp: messages.info(stamp, (36, 24), 0.1))
+MOVED = with_other(DEPTH, lambda messages, stamp: messages.image(stamp, STEPS, "16UC1", "depth_frame"))
 
-    refused(changed(tmp_path, moved), f"{DEPTH} is in frame 'depth_frame'", "registered")
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (MOVED, (f"{DEPTH} is in frame 'depth_frame'", "registered")),
+        (DISTORTED, ("distortion[0] is 0.1", "undistort")),
+        (BAYER, ("no topic of colour", f"{COLOUR} (unknown)")),  # pictures of an unknown encoding are no colour
+        (without(COLOUR), ("no topic of colour", DEPTH)),
+        (without(DEPTH), ("no topic of depth", COLOUR)),
+        (without("/tf"), ("no topic of pose", COLOUR)),
+    ],
+)
+def test_what_a_bag_cannot_be_is_refused_with_what_it_holds(change, words, tmp_path):
+    refused(changed(tmp_path, change), *words)
+
+
+def test_an_encoding_that_is_not_known_is_named(tmp_path):
+    refused(changed(tmp_path, BAYER), "bayer_rggb8", options=SequenceOptions(frames_topics=f"colour={COLOUR}"))
 
 
 def test_depth_of_floats_is_in_metres(tmp_path):
-    def floats(messages: Messages, row: Logged) -> Iterator[Logged]:
-        depth = np.full((24, 36), 2.5, np.float32)
-        depth[0, 0] = np.nan
-        yield (*row[:3], messages.image(row[2], depth, "32FC1")) if row[0] == DEPTH else row
-
+    METRES[0, 0] = np.nan
+    floats = with_other(DEPTH, lambda messages, stamp: messages.image(stamp, METRES, "32FC1"))
     sequence = sequences.open(changed(tmp_path, floats))
     depth_m = sequence.frames[0].depth_m
     assert depth_m[5, 5] == 2.5 and not depth_m[0, 0] > 0
     assert fact(sequence, "depth scale") == ("1 m per unit", By.FORMAT)
 
 
-def test_a_lens_that_distorts_is_refused_unless_its_picture_is_rectified(tmp_path):
-    def distorted(messages: Messages, row: Logged) -> Iterator[Logged]:
-        yield (*row[:3], messages.info(row[2], (36, 24), 0.1)) if row[0].endswith("camera_info") else row
-
+def test_a_picture_that_is_rectified_has_no_distortion_left(tmp_path):
     def rectified(messages: Messages, row: Logged) -> Iterator[Logged]:
-        for topic, *rest in distorted(messages, row):
+        for topic, *rest in DISTORTED(messages, row):
             yield topic.replace("color/image_raw", "color/image_rect_color"), *rest
 
-    (tmp_path / "raw").mkdir()
-    (tmp_path / "rect").mkdir()
-    refused(changed(tmp_path / "raw", distorted), "distortion[0] is 0.1", "undistort")
-    assert len(sequences.open(changed(tmp_path / "rect", rectified)).frames) == 3
+    assert len(sequences.open(changed(tmp_path, rectified)).frames) == 3
 
 
 @pytest.mark.parametrize("topic", [DEPTH, "/tf", "/odom"])
@@ -105,22 +121,6 @@ def test_clocks_that_are_apart_are_told_with_how_far(topic, tmp_path):
 
     changed(tmp_path, ahead, "odometry" if topic == "/odom" else "tf")
     refused(tmp_path, "the clocks are 3599.9", f"{COLOUR}: 17000", f"{topic}", "expected one clock")
-
-
-@pytest.mark.parametrize(("lacks", "holds"), [(COLOUR, DEPTH), (DEPTH, COLOUR), ("/tf", COLOUR)])
-def test_what_a_bag_lacks_is_named_with_what_it_holds(lacks, holds, tmp_path):
-    what = {COLOUR: "colour", DEPTH: "depth", "/tf": "pose"}[lacks]
-    refused(changed(tmp_path, without(lacks)), f"no topic of {what}", holds)
-
-
-def test_pictures_of_an_unknown_encoding_are_no_colour(tmp_path):
-    def bayer(messages: Messages, row: Logged) -> Iterator[Logged]:
-        mosaic = np.zeros((24, 36), np.uint8)
-        yield (*row[:3], messages.image(row[2], mosaic, "bayer_rggb8")) if row[0] == COLOUR else row
-
-    changed(tmp_path, bayer)
-    refused(tmp_path, "no topic of colour", f"{COLOUR} (unknown)")
-    refused(tmp_path, "bayer_rggb8", options=SequenceOptions(frames_topics=f"colour={COLOUR}"))
 
 
 @pytest.mark.parametrize("ending", [".bag", ".db3", ".mcap"])

@@ -64,15 +64,6 @@ def test_a_scene_and_its_layers_look_as_before(gpu, serve, tmp_path, name):
     assert_golden(f"server/{name}", sheet(*pairs), tmp_path, share=share)
 
 
-def test_a_plain_scene_has_nothing_to_tell_and_pays_nothing(gpu, serve):
-    server, before = serve("planes"), None
-    for _ in range(2):
-        server.recycle(server.draw_frame(VIEWS, 0, SIZE))
-        assert before in (None, len(gpu.shaders))
-        before = len(gpu.shaders)
-    assert not server._moving and "reflections" not in {name for _, name in server._parts}
-
-
 class Bent:
     def __init__(self, positions) -> None:
         self._positions = np.array(positions)
