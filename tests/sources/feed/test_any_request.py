@@ -7,7 +7,6 @@ import fcntl
 import itertools
 import os
 import random
-import re
 import socket
 import struct
 import termios
@@ -168,7 +167,7 @@ def test_whatever_people_are_said_to_do_is_drawn():
 
 
 def test_every_request_within_the_bounds_is_answered_and_none_costs_much(serving, clients, capsys):
-    rng, found, refused, worst, longest_s = random.Random(SEED), Counter(), Counter(), 0.0, 0.0
+    rng, found, worst = random.Random(SEED), Counter(), 0.0
     for client in clients:
         # Programs are compiled at the first use of each layer, once.
         asked(client, foreign.request(1, layers=tuple((name, 1) for name in foreign.SENT)))
@@ -177,19 +176,17 @@ def test_every_request_within_the_bounds_is_answered_and_none_costs_much(serving
     for number in range(2, REQUESTS + 2):
         data = foreign.any_request(rng, number)
         Path(f"/proc/{process}/clear_refs").write_text("5")  # VmHWM is VmRSS again
-        begun, worked, held = time.monotonic(), cpu_s(process), memory(process)
+        worked, held = cpu_s(process), memory(process)
         kind, answered, text = asked(rng.choice(clients), data)
-        longest_s, worst = max(longest_s, time.monotonic() - begun), max(worst, cpu_s(process) - worked)
+        worst = max(worst, cpu_s(process) - worked)
         most_taken = max(most_taken, memory(process, "VmHWM") - held)
         assert answered == number and kind in {"frame", "refusal"} and "internal" not in text, (text, data.hex())
         found[kind] += 1
-        refused[re.sub(r"[\d.]+(e\+?\d+)?", "N", text[:40])] += kind == "refusal"
     grown = memory(process) - before
     if "FEED_REQUESTS" in os.environ:
         with capsys.disabled():
-            print(f"\n{REQUESTS} requests, seed {SEED}: the worst took {worst:.2f} s of work, {longest_s:.2f} s in all")
+            print(f"\n{REQUESTS} requests, seed {SEED}: {dict(found)}; the worst took {worst:.2f} s of work")
             print(f"memory: {most_taken / 2**20:.0f} MiB for one at most, {grown / 2**20:.0f} MiB more in the end")
-            print(f"{found['frame']} drawn; refused: {refused.most_common(12)}")
     assert found["frame"] > REQUESTS / 3
     # What is kept for the next frames: textures of some sizes, and encoders of the clients.
     assert most_taken < MOST_TAKEN and grown < MOST_TAKEN and worst < MOST_CPU_S and serving.process.poll() is None

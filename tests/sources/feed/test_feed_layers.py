@@ -18,8 +18,7 @@ from hmdwarp.sources.feed.message import FrameMessage, decode, encode
 from hmdwarp.sources.feed.parts import Packed, Wanted
 from hmdwarp.sources.server import Server
 
-from .exchange import vector_row
-from .messages import FRAME
+from .exchange import FRAME, vector_row
 
 SIZE, SHOWN = (24, 20), (16, 12)
 DRAWN_NS = 70_000_000

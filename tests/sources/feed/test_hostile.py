@@ -32,9 +32,8 @@ from hmdwarp.sources.feed.sockets import (
     Wire,
 )
 
-from .exchange import WHENEVER_MS, answered, exchanged, port_of
+from .exchange import ASK, FRAME, WHENEVER_MS, answered, exchanged, port_of
 from .foreign import greeting, part, ready
-from .messages import ASK, FRAME
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 MIB = 1 << 20

@@ -45,7 +45,7 @@ from hmdwarp.sources.feed.message import (
 from hmdwarp.sources.feed.parts import BadPart, Packed, Wanted, packed
 
 from . import foreign
-from .messages import ASK, BYTES, CODED, FRAME, HEAD, LAYERED, RNG, VIEWS, WANTED
+from .exchange import ASK, BYTES, CODED, FRAME, HEAD, LAYERED, RNG, VIEWS, WANTED
 
 
 def flat(value):

@@ -26,8 +26,7 @@ from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import encode
 from hmdwarp.sources.feed.options import key_pair, public_key
 
-from .exchange import answered, exchanged, feeder, port_of
-from .messages import ASK, FRAME
+from .exchange import ASK, FRAME, answered, exchanged, feeder, port_of
 from .relay import Relay
 
 pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")

@@ -33,8 +33,7 @@ from hmdwarp.sources.feed.caller import Viewer
 from hmdwarp.sources.feed.message import DEPTH_CODES, NONE, RAW, RGBA8, Wish
 from hmdwarp.sources.server import Renderer, Server
 
-from .exchange import feeder
-from .messages import ASK
+from .exchange import ASK, feeder
 from .test_strategies import patient
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")

@@ -24,8 +24,7 @@ from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import Fate, encode
 from hmdwarp.sources.feed.message import Session as Told
 
-from .exchange import WHENEVER_MS, answered, exchanged
-from .messages import ASK, FRAME
+from .exchange import ASK, FRAME, WHENEVER_MS, answered, exchanged
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 

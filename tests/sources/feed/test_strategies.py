@@ -44,14 +44,18 @@ TRIED = {
 
 
 @contextmanager
+def running(gpu, options: RunOptions):
+    with patch("hmdwarp.run.run.Gpu", lambda: nullcontext(gpu)), set_up_replay(options, alone=True) as setup:
+        yield setup
+
+
 def ready(gpu, strategy: str, **more):
     """Set a run of a strategy up: no codec, no prediction."""
     usual = {key: value for key, value in SMALL.items() if key not in ("warp", "fill", "guard")}
     usual |= {"size": (48, 41), "rate_hz": RATE_HZ, "seconds": SECONDS, "start_s": 1.0}
     network = more.pop("network", {})
     options = RunOptions.of({"strategy": strategy, **network}, **usual | {"out": Path("nowhere")} | more)
-    with patch("hmdwarp.run.run.Gpu", lambda: nullcontext(gpu)), set_up_replay(options, alone=True) as setup:
-        yield setup
+    return running(gpu, options)
 
 
 def patient(remote: Remote, now_ns: int) -> None:
@@ -288,10 +292,7 @@ def test_a_client_without_depth_gets_the_picture_for_its_head_and_its_delay_has_
     with Serving("--samples", "1") as server, proxy("--connect", server.address) as between:
         options = small(feed=FeedOptions(connect=between.address), warp="none", rate_hz=10.0, seconds=1.0, samples=1)
         shown, took_ms = [], []
-        with (
-            patch("hmdwarp.run.run.Gpu", lambda: nullcontext(gpu)),
-            set_up_replay(options, alone=True) as setup,
-        ):
+        with running(gpu, options) as setup:
             for _, instant_ns in setup.schedule.numbered():
                 setup.loop.draw(instant_ns)
                 if (refresh := setup.loop.show(instant_ns)) is not None:
@@ -323,7 +324,6 @@ def between():
         yield found.address
 
 
-@contextmanager
 def acting(gpu, tmp_path, where: str):
     """A client of a proxy for a playroom whose lamp somebody switches; its head is still."""
     acts, head = tmp_path / "acts.csv", tmp_path / "still.csv"
@@ -333,11 +333,7 @@ def acting(gpu, tmp_path, where: str):
         write_native(PoseTrack(ends, *map(np.array, still)), file)
     options = {"scene": "playroom", "warp": "none", "size": (48, 40), "rate_hz": 20.0, "trace": str(head)}
     options |= {"input": str(acts), "start_s": 0.5, "seconds": 60.0, "feed": FeedOptions(connect=where)}
-    with (
-        patch("hmdwarp.run.run.Gpu", lambda: nullcontext(gpu)),
-        set_up_replay(small(**options), alone=True) as setup,
-    ):
-        yield setup
+    return running(gpu, small(**options))
 
 
 def shown_until(setup, numbered, last_ms: float, since_ns: int = 0) -> dict[int, np.ndarray]:
