@@ -142,6 +142,7 @@ def test_the_server_draws_them_as_any_other_picture(serve):
         assert np.allclose(ways[0], ways[1]), "as far from each eye"
         # 0.3 m/s for 0.4 s, once there is a frame before.
         assert np.linalg.norm(ways, axis=-1).max() <= (0.12 if number else LEAST_M) + 1e-9
+        assert not number or ways[0][0] @ RIGHT > 0, "the first is taken from where the head goes"
         for view in (view for eye in frame.eyes for view in eye["views"]):
             again = server.draw(view.view, SCREEN, time_ns=frame.drawn_ns)
             assert np.array_equal(download(again.colour), download(view.colour))
