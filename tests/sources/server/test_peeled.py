@@ -114,6 +114,32 @@ def depth_of(view: View) -> np.ndarray:
     return np.where(on_square, 1 / away, 1 / (WALL_M + z))
 
 
+def hidden_behind_square(view: View, target: View) -> np.ndarray:
+    """Which points of the wall in the target's pixels lie behind the square, by straight lines."""
+    (x, y, z), from_eye = target.pose.position_m, view.pose.position_m
+    rays = target.rays(SCREEN)
+    wall = np.stack([x + (WALL_M + z) * rays[..., 0], y + (WALL_M + z) * rays[..., 1]], axis=-1)
+    part = (SQUARE_M + from_eye[2]) / (WALL_M + from_eye[2])
+    through = from_eye[:2] + part * (wall - from_eye[:2])
+    return (np.abs(through) <= HALF_M).all(axis=-1) & (depth_of(target) < 0.5)
+
+
+@pytest.mark.parametrize("way", [RIGHT, -RIGHT, (0.05, 0.08, 0), (0, 0, -0.2), (0, 0, 0.3)], ids=str)
+def test_a_picture_shows_what_no_straight_line_to_it_meets_anything_before(way):
+    view, target = view_at((0, 0, 0)), view_at(way)
+    found = seen(view, depth_of(view), target, depth_of(target), SCREEN)
+    hidden = hidden_behind_square(view, target)
+    tangents = target.pose.position_m[:2] + (1 / depth_of(target))[..., None] * target.rays(SCREEN)[..., :2]
+    away = 1 / depth_of(target) - target.pose.position_m[2] + view.pose.position_m[2]
+    outside = (np.abs(tangents / away[..., None]) >= (1, 0.8)).any(axis=-1)
+    wrong = found == (hidden | outside)
+    # Only where the nearest pixel of the picture lies across an edge: beside the outline of the
+    # square, at most one pixel on either side, and beside the picture's own.
+    outline = 2 * 4 * 2 * HALF_M / SQUARE_M * SCREEN[0] / 2 / 0.8
+    assert wrong.sum() <= outline + 2 * sum(SCREEN)
+    assert way[0] == 0 or hidden.sum() > 30
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 def test_the_first_view_is_taken_from_where_the_eye_goes(sign):
     view = view_at((0, 0, 0))
