@@ -15,7 +15,7 @@ from worlds import pixels
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import Background, Quad, Scene, load_scene
-from hmdwarp.sources.server import Server, Target
+from hmdwarp.sources.server import Server
 
 QUADS = shapes_of("planes", Quad)
 SIZE = (97, 61)
@@ -100,18 +100,6 @@ def test_a_scene_a_million_metres_away_draws_the_same_picture_to_the_last_bit(se
         drawn = server.draw(eye, SIZE)
         pictures.append((drawn.colour.read(), drawn.inverse_depth.read()))
     assert pictures[0] == pictures[1]
-
-
-def test_targets_of_others_work_and_a_reused_gl_name_is_not_mistaken_for_the_old_texture(planes):
-    view, size = random_view(0), (16, 12)
-    reference = planes.draw(view, size)
-    expected = reference.inverse_depth.read()
-    for _ in range(3):
-        target = Target(planes.gpu.gl.texture(size, 4, dtype="f2"), planes.gpu.gl.texture(size, 1, dtype="f4"))
-        assert planes.draw(view, size, target).inverse_depth.read() == expected
-        target.colour.release()
-        target.inverse_depth.release()
-    planes.pool(size).release(reference.colour)
 
 
 def test_drawing_leaves_culling_depth_test_and_framebuffer_as_they_were(planes):
