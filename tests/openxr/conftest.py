@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from display.virtual_screen import VirtualScreen
 
-from .monado import REMOTE, UNSEEN, Monado
+from .monado import REMOTE, UNSEEN, WOBBLING, Monado
 from .remote_head import RemoteHead
 
 OUTSIDE = "test_beside_monado.py"
@@ -47,6 +47,14 @@ def monado(runtime) -> Monado:
     nowhere, at 20 a second.
     """
     made = runtime(REMOTE, UNSEEN)
+    made.start()
+    return made
+
+
+@pytest.fixture
+def wobbling(runtime) -> Monado:
+    """One whose head wobbles by itself."""
+    made = runtime(WOBBLING, UNSEEN)
     made.start()
     return made
 

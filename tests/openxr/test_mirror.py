@@ -23,13 +23,6 @@ WINDOW = 480
 SIZE = (120, 120)  # of the window's shape, in whole pixels of it
 
 
-@pytest.fixture
-def wobbling(runtime):
-    made = runtime(WOBBLING, UNSEEN)
-    made.start()
-    return made
-
-
 def test_the_left_eye_is_on_the_screen(wobbling, screen, monkeypatch):
     here, found = Here(monkeypatch), []
 
