@@ -27,17 +27,6 @@ from .programs import lines_now, tell  # noqa: E402
 SIZE = (640, 760)
 
 
-def opened():
-    assert glfw.init()
-    glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, 4)
-    glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)
-    glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
-    window = glfw.create_window(*SIZE, "panel", None, None)
-    glfw.make_context_current(window)
-    glfw.set_window_pos(window, 0, 0)
-    return window
-
-
 def listens(window, wants) -> None:
     """The window's own callbacks: what they hear, with a panel that has chained them."""
 
@@ -82,7 +71,13 @@ class Places:
 
 
 def main() -> None:
-    window = opened()
+    assert glfw.init()
+    hints = {"CONTEXT_VERSION_MAJOR": 4, "CONTEXT_VERSION_MINOR": 3, "OPENGL_PROFILE": glfw.OPENGL_CORE_PROFILE}
+    for name, value in hints.items():
+        glfw.window_hint(getattr(glfw, name), value)
+    window = glfw.create_window(*SIZE, "panel", None, None)
+    glfw.make_context_current(window)
+    glfw.set_window_pos(window, 0, 0)
     gl = moderngl.create_context(require=430)
     listens(window, lambda what: None if is_closed else getattr(panel, f"wants_{what}"))
     module.imgui = places = Places()

@@ -176,7 +176,7 @@ def test_pictures_arrive_with_what_they_were_made_for(remote_head, monkeypatch, 
     here, expected, handed_over = Here(monkeypatch), [], HandedOver(monkeypatch)
 
     def after(number: int) -> None:
-        refresh = here.watched.shown[-1]
+        refresh = here.shown[-1]
         for one, eye in zip(refresh.inputs, refresh.eyes, strict=True):
             depth = download(eye.inverse_depth) if depth_layer else None
             expected.append((one.shown, picture_from_linear(download(eye.panel.texture)), depth))

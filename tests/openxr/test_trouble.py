@@ -102,7 +102,7 @@ def test_a_restarted_service_goes_on_with_the_same_run(wobbling, monkeypatch, tm
     here, recording, gpus = Here(monkeypatch), tmp_path / "head.csv", set()
 
     def after(number: int) -> None:
-        gpus.add(here.watched.gpu)
+        gpus.add(here.display.gpu)
         if number in (4, 8):
             wobbling.kill()
 
