@@ -12,6 +12,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from unittest.mock import patch
 
 import attrs
@@ -120,17 +121,10 @@ def end_of(display: Display, kind: type[Exception]) -> str:
     return str(ended.value)
 
 
-@attrs.frozen
-class Eye:
-    view: View
-    panel: Canvas
-    inverse_depth: moderngl.Texture | None = None
-    panels: tuple[()] = ()
-
-
-@attrs.frozen
-class Eyes:
-    eyes: tuple[Eye, ...]
+def seen_by(*eyes: tuple[View, Canvas, moderngl.Texture | None]) -> SimpleNamespace:
+    """What a refresh shows to these eyes."""
+    names = ("view", "panel", "inverse_depth")
+    return SimpleNamespace(eyes=[SimpleNamespace(panels=(), **dict(zip(names, eye, strict=True))) for eye in eyes])
 
 
 @attrs.frozen
@@ -207,10 +201,10 @@ class TestOpen:
             canvas = Canvas(gl, display.size)
             canvas.texture.write(np.full((*display.size[::-1], 4), 0.5, np.float16).tobytes())
             depth = gl.texture(display.size, 1, np.ones(display.size, np.float32).tobytes(), dtype="f4")
-            made.append(Eye(view, canvas, depth if display.takes_depth else None))
+            made.append((view, canvas, depth if display.takes_depth else None))
         for label in ("", "tracking lost", Question(pointed=True), Question(pointed=False), ""):
             next_tick(display)
-            display.show(Eyes(tuple(made)), label)
+            display.show(seen_by(*made), label)
             next_tick(display)
             display.show(None, label)
         assert gl.error == "GL_NO_ERROR"
@@ -361,10 +355,10 @@ class TestWindow:
             for patch_ in patches:
                 canvas = Canvas(display.gpu.gl, SMALL)
                 canvas.texture.write(patch_.repeat(12, axis=0).repeat(12, axis=1).astype(np.float16).tobytes())
-                eyes.append(Eye(display.eyes.views(display.source.head_at(0).pose)[0], canvas))
+                eyes.append((display.eyes.views(display.source.head_at(0).pose)[0], canvas, None))
             for _ in range(2):
                 next_tick(display)
-                display.show(Eyes(tuple(eyes)))
+                display.show(seen_by(*eyes))
             shown = seen(display)
             h, w = shown.shape[:2]
             rows = ((np.arange(5) + 0.5) * h / 5).astype(int)

@@ -273,7 +273,7 @@ def test_a_replay_shows_what_the_page_showed(tmp_path, eyes):
         if eyes == 2:
             enter_vr_at_once(browser)
         browser.does("(async () => { while (!hmdwarp.session.shown) await stepped(1); })()")
-        looked = [browser.does(look_after(1)) for _ in range(60)]
+        looked = [look_after(browser, 1) for _ in range(60)]
         browser.does("hmdwarp.session.report.send(hmdwarp.session.time())")
         browser.does("hmdwarp.session.feed.close()")
         browser.until("hmdwarp.session.feed.socket.readyState === 3")

@@ -63,13 +63,6 @@ def worn(tmp_path):
         browser.__exit__()
 
 
-@pytest.fixture
-def serving(tmp_path):
-    (tmp_path / "secret").write_text("a shared secret", encoding="utf-8")
-    with Serving("--scene", "room", "--web", "127.0.0.1:*", "--token-file", str(tmp_path / "secret")) as server:
-        yield server, server.line("for a browser").split()[-1]
-
-
 def through(relay: Relay, address: str) -> str:
     """Return the page's address by way of a relay."""
     return f"http://{relay.address}/?{address.partition('/?')[2]}"
@@ -163,9 +156,11 @@ def test_a_bench_times_every_chain_and_in_a_headset_its_own_views(worn, tmp_path
 GOES_ON = f"!{TOLD} && hmdwarp.session.shown.number > before"
 
 
-def test_what_stops_it_is_told_in_the_view_and_taken_up_again(serving, worn):
-    server, address = serving
-    with Relay(port_of(address)) as relay:
+def test_what_stops_it_is_told_in_the_view_and_taken_up_again(worn):
+    with (
+        Serving("--scene", "room", "--web", "127.0.0.1:*") as server,
+        Relay(port_of(address := server.line("for a browser").split()[-1])) as relay,
+    ):
         browser = worn(through(relay, address) + "&raw&size=128")
 
         def goes_on_after(text: str, mend) -> None:

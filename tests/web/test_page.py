@@ -15,7 +15,7 @@ from serving import Serving
 from sources.feed.relay import Relay
 
 from .browser import Browser, says
-from .looks import CLOCK, LOOK, Own, look_after, pictures_of
+from .looks import CLOCK, Own, look_after, looks, pictures_of
 
 pytestmark = needs.programs("chromium")
 
@@ -58,7 +58,7 @@ def test_a_walk_200_ms_late_is_near_the_truth(page, gpu, record_property):
     found, ages = [], []
     with Own(gpu, SAMPLES) as own:
         for _ in range(14):
-            looked = browser.does(look_after(24))
+            looked = look_after(browser, 24)
             off = pictures_of(looked)[0].astype(float) - own.truth(looked)
             found.append(20 * np.log10(255) - 10 * np.log10(np.mean(off**2)))
             ages.append(looked["age"])
@@ -79,7 +79,7 @@ def test_panels_come_once_and_stay(tmp_path, gpu):
             address = server.line("for a browser").split()[-1]
             browser.open(f"{address}&raw&trace=walk&latency=100&warp=iterative&size=96")
             browser.until(f"{come} && hmdwarp.session.costs.iterative !== undefined")
-            looked = browser.does(LOOK)
+            (looked,) = browser.does(looks(1))
             held = browser.does("[held().made.Texture, held().made.Framebuffer]")
         with Own(gpu, SAMPLES, "reading") as own:
             here = own.warped(looked)
