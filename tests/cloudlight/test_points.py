@@ -102,24 +102,19 @@ def test_a_sphere_of_points_is_the_sphere(gpu):
     assert (depth[beside] == 0).all() and (colour[beside, 3] == 1).all(), "the sky"
 
 
-@pytest.mark.parametrize(
-    ("points", "area"),
-    [
-        ([[0.0, 0.0, -1e6]], 1.0),
-        ([[0.0, 0.0, -2.0]], 0.0),
-        ([[0.3, -0.1, 0.2]], 1.0),
-        ([[0.3, -0.1, 2.0]], 1.0),
-        ([[0.0, 0.0, -1e30]], 1e30),
-    ],
-    ids=["far", "radius 0", "in the eye", "behind the eye", "beyond"],
-)
-def test_hard_points(gpu, points, area):
-    points = np.repeat(np.array(points), 16, axis=0)
-    normals = np.repeat([[0.0, 0.0, 1.0]], 16, axis=0)
-    colour, depth = shown(gpu, content(points, normals, area))
-    if area == 0.0 or points[0, 2] == -1e6:
+HARD = {  # a point and the area of its disc
+    "far": ((0.0, 0.0, -1e6), 1.0), "radius 0": ((0.0, 0.0, -2.0), 0.0), "in the eye": ((0.3, -0.1, 0.2), 1.0),
+    "behind the eye": ((0.3, -0.1, 2.0), 1.0), "beyond": ((0.0, 0.0, -1e30), 1e30),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", HARD)
+def test_hard_points(gpu, case):
+    point, area = HARD[case]
+    colour, depth = shown(gpu, content(np.tile(point, (16, 1)), np.tile((0.0, 0.0, 1.0), (16, 1)), area))
+    if case in ("far", "radius 0"):
         assert (depth > 0).sum() == 1 and colour[depth > 0, 0] == 1
-    if points[0, 2] > EYE.pose.position_m[2]:
+    if case == "behind the eye":
         assert (depth == 0).all(), "sky alone"
 
 
