@@ -46,17 +46,13 @@ def monado(runtime) -> Monado:
     """A running service whose head stays where `remote_head` puts it, and whose pictures go
     nowhere, at 20 a second.
     """
-    made = runtime(REMOTE, UNSEEN)
-    made.start()
-    return made
+    return runtime(REMOTE, UNSEEN).start()
 
 
 @pytest.fixture
 def wobbling(runtime) -> Monado:
     """One whose head wobbles by itself."""
-    made = runtime(WOBBLING, UNSEEN)
-    made.start()
-    return made
+    return runtime(WOBBLING, UNSEEN).start()
 
 
 @pytest.fixture

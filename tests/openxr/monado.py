@@ -47,8 +47,8 @@ class Monado:
         """What a program must have in its environment to find this runtime."""
         return {"XDG_RUNTIME_DIR": str(self.folder), "XR_RUNTIME_JSON": RUNTIME}
 
-    def start(self) -> None:
-        """Start it and wait until it answers."""
+    def start(self) -> Monado:
+        """Start it, wait until it answers, and return this."""
         assert self.process is None, "this service is running already"
         socket = self.folder / "monado_comp_ipc"
         socket.unlink(missing_ok=True)  # a service that was ended leaves it behind, and would be taken for running
@@ -56,6 +56,7 @@ class Monado:
         environment = {**os.environ, **self.environment, "XRT_NO_STDIN": "1", **self.settings}
         self.process = Process(self.folder / "monado.log", "monado-service", env=environment)
         self.process.until(lambda: listens(socket), "it listened")
+        return self
 
     def kill(self) -> None:
         """It is gone at once, if there is one."""
