@@ -129,8 +129,9 @@ CHAINS = ("iterative", "mesh:grid=64", "rotation")  # as the page has them
 
 
 def test_a_bench_times_every_chain_and_in_a_headset_its_own_views(worn, tmp_path):
-    """Every warp with every fill, as near to the truth as a late frame of 100 ms is; the server
-    keeps a line of each bench."""
+    """Every warp with every fill, in a window as near to the truth as frames 100 ms late are; the
+    server keeps a line of each bench.
+    """
     benched = "hmdwarp.session.benched"
     with Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out")) as server:
         browser = worn(server.line("for a browser").split()[-1] + "&raw&size=96&bench&latency=100")
@@ -149,8 +150,9 @@ def test_a_bench_times_every_chain_and_in_a_headset_its_own_views(worn, tmp_path
         rows = {(row["warp"], row["fill"]): row for row in line["bench"]}
         assert list(rows) == [(warp, fill) for warp in CHAINS for fill in ("none", "pyramid")]
         assert all(row["warp_ms"] > 0 and row["total_ms"] > 0 for row in rows.values())
-        psnr_db = {names: row["psnr_db"] for names, row in rows.items()}
-        assert psnr_db["iterative", "pyramid"] > max(psnr_db["rotation", "pyramid"], 20)
+        if line is window:
+            psnr_db = {names: row["psnr_db"] for names, row in rows.items()}
+            assert psnr_db["iterative", "pyramid"] > max(psnr_db["rotation", "pyramid"], 20)
 
 
 GOES_ON = f"!{TOLD} && hmdwarp.session.shown.number > before"
