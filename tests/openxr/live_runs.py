@@ -21,7 +21,7 @@ LONG_S = 600.0  # against hanging; a machine under load is slow, and may stand s
 
 def quick(**options: object) -> LiveOptions:
     """Options of a run that costs little."""
-    usual = {"source": "openxr", "scene": "planes", "size": SMALL, "latency_ms": 0.0}
+    usual = {"source": "openxr", "scene": "planes", "size": SMALL, "latency_ms": 0.0, "hang_s": LONG_S}
     return LiveOptions(**{**usual, "warp": "forward", "fill": "none", "guard": 1.0, "predict": "none", **options})
 
 
