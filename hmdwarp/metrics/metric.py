@@ -187,12 +187,9 @@ class Metric:
         return f"% of {self.percent_of}" if self.percent_of else self.unit
 
 
-_FAMILIES = {
-    **dict.fromkeys(("ssim", "flip", "psnr_db"), "alike"),
-    **dict.fromkeys(("hole_share", "border_share"), "holes"),
-}
+_OWN = dict.fromkeys(("psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker"), "figures")
 metrics: Registry[Metric] = Registry(
-    "metric", "hmdwarp.metrics.library", "metrics", columns="summary=description", modules=_FAMILIES
+    "metric", "hmdwarp.metrics.library", "metrics", columns="summary=description", modules=_OWN
 )
 PRIMARY = "flip"  # decides which pictures are the worst and, by default, which method is the best
 

@@ -252,7 +252,7 @@ def options_of_case(options: BenchOptions, case: Case, start_s: float) -> BenchO
     """Return the options that have this case alone; start_s: of all latencies of its recording."""
     return attrs.evolve(
         options,
-        also=None,
+        also=(),
         scenes=(case.scene,),
         recordings=(case.recording,),
         latencies_ms=(case.latency_ms,),

@@ -18,7 +18,6 @@ from ...options import (
     Guard,
     Number,
     PaperOptions,
-    as_path,
     check_one_guard,
     force_field,
     group,
@@ -74,11 +73,13 @@ class BenchOptions(RecordedOptions):
 
     # Sets what is run; "" for none.
     suite: str = _suite("benchmark: {}. It has a version, says what is run, and takes means over all heads and scenes.")
-    also: Path | None = option(
-        None,
-        "Folder of what a suite takes besides what ships: scenes by others, which it names, and recorded sequences.",
-        metavar="DIR",
-        convert=attrs.converters.optional(as_path),
+    also: tuple[Path, ...] = option(
+        (),
+        "Scene file, or folder of recorded frames, that a suite takes besides its own. For several, repeat it.",
+        kind=list,
+        default=None,
+        metavar="PATH",
+        parse=lambda texts: tuple(path_of(text, "--also") for text in texts),
     )
     scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
     latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))

@@ -25,11 +25,11 @@ _LEAST_CLUSTERS = 3
 _DRAWS = 500
 
 
-def suite_entry(name: str, rows: Iterable[Row], sequences: Sequence[Row] = ()) -> dict[str, Any]:
-    """Return `suite` of bench.json, if any; sequences: that it took: see about_sequence."""
+def suite_entry(name: str, rows: Iterable[Row], also: Sequence[Row] = ()) -> dict[str, Any]:
+    """Return `suite` of bench.json, if any; also: what it took besides: see further."""
     if not name:
         return {}
-    about = {"name": name, "version": suites()[name].version, "sequences": list(sequences)}
+    about = {"name": name, "version": suites()[name].version, "also": list(also)}
     return {"suite": {**about, "over_all": over_all(rows)}}
 
 

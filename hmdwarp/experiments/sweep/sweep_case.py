@@ -20,7 +20,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext, supp
 from datetime import datetime
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import attrs
 
@@ -28,7 +28,7 @@ from ...errors import HmdwarpError, InputError, MachineError
 from ...gpu.context import contexts_kept
 from ...metrics import MeasuringThreads, worker_count
 from ...options.documents import json_in
-from ...options.identity import identity_of, whole_program_hash
+from ...options.identity import identity_of, program_hash
 from ...options.named_files import RESULTS
 from ...platforms import lock
 from ...report import SCHEMA, OutputFolder, write_bytes, write_json
@@ -181,60 +181,40 @@ class SweepCase:
     group: str = ""
     # Its share of the progress.
     steps: int = 1
-    # What the identity is of besides: the kind, and parts of the program.
+    # What the identity is of besides.
     kind: str = ""
-    also: Sequence[str] = ()
 
     @classmethod
-    def of(cls, kind: str, name: str, what: Any, also: Sequence[str] = (), **about: Any) -> SweepCase:
-        """Return a case with its identity.
-
-        also: parts of the program that it depends on, as program_hash. Errors: InputError for a
-        file that cannot be read.
-        """
+    def of(cls, kind: str, name: str, what: Any, **about: Any) -> SweepCase:
+        """Return a case with its identity. Errors: InputError for a file that cannot be read."""
         try:
-            return cls(name, what, identity_of(kind, what, also), kind=kind, also=also, **about)
+            return cls(name, what, identity_of(kind, what), kind=kind, **about)
         except OSError as error:
             raise InputError(f"{error.filename}: cannot read ({error.strerror}): {name} is made with it") from error
 
     @property
     def is_here(self) -> bool:
         """Whether the files of its options are the same on this machine."""
-        return self.identity == identity_of(self.kind, self.what, self.also)
+        return self.identity == identity_of(self.kind, self.what)
 
 
 # Runs a case and returns its result.
 Runner = Callable[[SweepCase, Step], Result]
 
 
-class Work(Protocol):
-    """How the cases of a command are run. It crosses to other machines by pickle."""
-
-    def opened(self) -> AbstractContextManager[Runner]:
-        """Open what cases share, such as measuring threads."""
+# Opens what cases share, for the runner of each. It crosses to other machines by pickle.
+Work = Callable[[], AbstractContextManager[Runner]]
 
 
-@attrs.frozen
-class Separate:
-    """A Work whose cases share nothing."""
-
-    run: Runner
-
-    def opened(self) -> AbstractContextManager[Runner]:
-        return nullcontext(self.run)
+def sharing_nothing(run: Runner) -> Work:
+    return partial(nullcontext, run)
 
 
-@attrs.frozen
-class Measuring:
-    """A Work whose cases measure pictures in the same threads."""
-
-    run: Callable[[MeasuringThreads, SweepCase, Step], Result]
-    workers: int | None  # as the option
-
-    @contextmanager
-    def opened(self) -> Iterator[Runner]:
-        with MeasuringThreads(worker_count(self.workers)) as threads:
-            yield partial(self.run, threads)
+@contextmanager
+def with_threads(run: Callable[[MeasuringThreads, SweepCase, Step], Result], workers: int | None) -> Iterator[Runner]:
+    """Open the threads in which cases measure pictures. workers: as the option."""
+    with MeasuringThreads(worker_count(workers)) as threads:
+        yield partial(run, threads)
 
 
 def _run_group(runner: Runner, cases: Sequence[SweepCase], step: Step) -> Iterator[tuple[SweepCase, Result | Failure]]:
@@ -275,7 +255,7 @@ def run_on_cluster(work: Work, cases: Sequence[SweepCase], cluster: str, say: Sa
         def send() -> Any:
             group = waiting.popleft()
             key = f"hmdwarp-{group[0].identity}-{token}"
-            future = client.submit(run_here, work, group, whole_program_hash(), Path.cwd(), key=key, pure=False)
+            future = client.submit(run_here, work, group, program_hash(()), Path.cwd(), key=key, pure=False)
             sent[future] = group
             return future
 
@@ -307,10 +287,10 @@ def run_here(work: Work, cases: Sequence[SweepCase], program: str, folder: Path)
     """
     from distributed import get_worker
 
-    if whole_program_hash() != program:
+    if program_hash(()) != program:
         why = "has another hmdwarp than this machine: install the same wheel on both"
         raise MachineError(f"worker {get_worker().name} {why}")
-    with _one_at_a_time, work.opened() as runner:  # a worker may have several threads
+    with _one_at_a_time, work() as runner:  # a worker may have several threads
         with suppress(OSError):  # then files are not found, or are others
             os.chdir(folder)
         if apart := [case.name for case in cases if not case.is_here]:
@@ -513,7 +493,7 @@ def outcomes(
             show(done + round(share * waiting[0] - 0.5 + 1e-6))
 
     def here() -> Iterator[Outcome]:
-        with contexts_kept(), work.opened() as runner:
+        with contexts_kept(), work() as runner:
             for group in _groups_of(cases):
                 yield from _run_group(runner, group, within)
 

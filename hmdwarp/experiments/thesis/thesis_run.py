@@ -7,6 +7,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +24,6 @@ COLUMNS = ("experiment", "source", "row", "column", "measured", "value", "unit",
 PAGE, TABLE, DATA = FILES = ("thesis.html", "results.csv", "results.json")
 _PAGE_WIDTH = 560
 PICTURE, TRUTH, TIMELINE = "shown.jpg", "truth.jpg", "timeline.svg"
-# What the figures depend on besides what draws and measures pictures; the rules that judge them do
-# not count.
-_ALSO = ("experiments/thesis/run_figures.py",)
 # What the published ratings of a part and latency say: the study package's, handed in.
 Ratings = Callable[[str, float], thesis.Figures]
 Progress = Callable[[int, int], None]
@@ -54,7 +52,8 @@ def run_thesis(
     pictured: set[thesis.Run] = {run for each in thesis.experiments() for run in each.pictures}
     cases = cases_of(runs, pictured, how)
 
-    with experiment(options, FILES, ThesisWork(runs, ratings), cases, progress, say) as (out, swept, described):
+    work = partial(thesis_work, runs, ratings)
+    with experiment(options, FILES, work, cases, progress, say) as (out, swept, described):
         made_on = swept.rows(lambda data: (data,))[0]
         figures = figures_by_run(swept.results())
         judged = [judge(each, figures) for each in chosen]
@@ -89,10 +88,10 @@ def cases_of(runs: Sequence[thesis.Run], pictured: set[thesis.Run], how: Thoroug
     """Return a case for each run; pictured: whose pictures are kept."""
     cases = []
     for run in runs:
-        also, group = ("study/",) if isinstance(run, thesis.RatingsRun) else _ALSO, ""
+        group = ""
         if isinstance(run, thesis.PictureRun):  # what is timed is compared with each other
             group = "timed" if run.timed else repr(run.shared)
-        cases.append(SweepCase.of("thesis", str(run), _ThesisPart(run, how, run in pictured), also, group=group))
+        cases.append(SweepCase.of("thesis", str(run), _ThesisPart(run, how, run in pictured), group=group))
     places: dict[Any, int] = {}
     for case in cases:
         for key in (case.group, _frames(case.what.run)):
@@ -104,57 +103,53 @@ def _frames(run: thesis.Run) -> Any:
     return (run.timed, run.shared) if isinstance(run, thesis.PictureRun) else run
 
 
-@attrs.frozen
-class ThesisWork:
-    """Runs the cases of the thesis."""
+@contextmanager
+def thesis_work(
+    runs: Sequence[thesis.Run], ratings: Ratings
+) -> Iterator[Callable[[SweepCase, Callable[[float], None]], Result]]:
+    """Open a folder for the traces of heads, for what runs a case.
 
-    # All that are chosen: those on the same frames are looked at together.
-    runs: tuple[thesis.Run, ...]
-    ratings: Ratings
+    runs: all that are chosen; those on the same frames are looked at together.
+    """
+    looked: dict[thesis.Run, Looked] = {}  # what waits for its turn
 
-    @contextmanager
-    def opened(self) -> Iterator[Callable[[SweepCase, Callable[[float], None]], Result]]:
-        """Open a folder for the traces of heads."""
-        # What was looked at together waits for its turn.
-        looked: dict[thesis.Run, Looked] = {}
+    def look_at(run: thesis.PictureRun, how: Thoroughness, folder: Path) -> Looked:
+        if run not in looked:
+            of_pictures = (each for each in runs if isinstance(each, thesis.PictureRun))
+            together = [each for each in of_pictures if _frames(each) == _frames(run)]
+            try:
+                found = [*look(together, how, folder)]
+            except Exception:
+                if len(together) == 1:
+                    raise
+                found = [*look([run], how, folder)]  # one of them is at fault: the others go on
+            looked.clear()
+            looked.update({each.run: each for each in found})
+        return looked[run]
 
-        def look_at(run: thesis.PictureRun, how: Thoroughness) -> Looked:
-            if run not in looked:
-                of_pictures = (each for each in self.runs if isinstance(each, thesis.PictureRun))
-                together = [each for each in of_pictures if _frames(each) == _frames(run)]
-                try:
-                    found = [*look(together, how, folder)]
-                except Exception:
-                    if len(together) == 1:
-                        raise
-                    found = [*look([run], how, folder)]  # one of them is at fault: the others go on
-                looked.clear()
-                looked.update({each.run: each for each in found})
-            return looked[run]
+    def runner(case: SweepCase, step: Callable[[float], None]) -> Result:
+        part: _ThesisPart = case.what
+        run, files = part.run, dict[str, bytes]()
+        about = {key: examined()[0][key] for key in ("machine", "clock")}
+        if isinstance(run, thesis.PictureRun):
+            found = look_at(run, part.how, folder)
+            figures = found.figures
+            if run.timed and about["clock"] == "gpu":
+                (least,) = look([attrs.evolve(run, scale=SPECK_PX / part.how.size[0])], part.how, folder)
+                figures = beyond(figures, least.figures)
+            files = {PICTURE: jpeg_bytes(found.picture), TRUTH: jpeg_bytes(found.truth)}
+        elif isinstance(run, thesis.StreamRun):
+            figures, drawn = stream(run, part.how.stream_scale, part.how.stream_s)
+            files = {TIMELINE: drawn.encode()}
+        elif isinstance(run, thesis.RatingsRun):
+            figures = ratings(run.part, run.latency_ms)
+        else:
+            figures = {"value": FACTS[run.fact]()}
+        return Result({**about, "figures": figures}, files if part.is_pictured else {})
 
-        def runner(case: SweepCase, step: Callable[[float], None]) -> Result:
-            part: _ThesisPart = case.what
-            run, files = part.run, dict[str, bytes]()
-            about = {key: examined()[0][key] for key in ("machine", "clock")}
-            if isinstance(run, thesis.PictureRun):
-                found = look_at(run, part.how)
-                figures = found.figures
-                if run.timed and about["clock"] == "gpu":
-                    (least,) = look([attrs.evolve(run, scale=SPECK_PX / part.how.size[0])], part.how, folder)
-                    figures = beyond(figures, least.figures)
-                files = {PICTURE: jpeg_bytes(found.picture), TRUTH: jpeg_bytes(found.truth)}
-            elif isinstance(run, thesis.StreamRun):
-                figures, drawn = stream(run, part.how.stream_scale, part.how.stream_s)
-                files = {TIMELINE: drawn.encode()}
-            elif isinstance(run, thesis.RatingsRun):
-                figures = self.ratings(run.part, run.latency_ms)
-            else:
-                figures = {"value": FACTS[run.fact]()}
-            return Result({**about, "figures": figures}, files if part.is_pictured else {})
-
-        with tempfile.TemporaryDirectory(prefix="hmdwarp-thesis-") as name:
-            folder = Path(name)
-            yield runner
+    with tempfile.TemporaryDirectory(prefix="hmdwarp-thesis-") as name:
+        folder = Path(name)
+        yield runner
 
 
 def figures_by_run(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> dict[thesis.Run, thesis.Figures]:

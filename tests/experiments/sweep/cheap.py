@@ -40,7 +40,7 @@ class Cheap:
     log: Path
 
     @contextmanager
-    def opened(self) -> Iterator:
+    def __call__(self) -> Iterator:
         yield self._run
 
     def _run(self, case: SweepCase, step) -> Result:
