@@ -19,7 +19,7 @@ import statistics
 import subprocess
 import sys
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import attrs
@@ -142,26 +142,20 @@ class Clips:
             why = f"the process that rates ended ({signal.strsignal(-done.returncode)})"
         self.failure = f"JOD could not be measured: {why}; the run goes on without it"
 
-    def entry(self, which: int, others: Sequence[int] = ()) -> dict[str, Any]:
+    def entry(self, which: int) -> dict[str, Any]:
         """Return the `jod` of summary.json: of the run and its clips.
 
-        mean: over clips and eyes, by their lengths. truth_preferred, preferred: the share of people
-        who would prefer the truth, or this one to each of `others`.
+        mean: over clips and eyes, by their lengths. truth_preferred: the share of people who would
+        prefer the truth.
         """
-        mean = self._mean(which)
+        clips = self._clips[which]
+        mean = sum(count * jod for _, count, jod in clips) / sum(count for _, count, _ in clips)
         by_start: dict[int, list[float]] = defaultdict(list)
-        for first, _, jod in self._clips[which]:
+        for first, _, jod in clips:
             by_start[first].append(jod)
-        entry: dict[str, Any] = {
+        return {
             "mean": mean,
             "clips": [{"frame": first, "jod": statistics.fmean(jods)} for first, jods in sorted(by_start.items())],
             "truth_preferred": preferring(TRUTH_JOD, mean),
             "display": attrs.asdict(self.display),
         }
-        if others:
-            entry["preferred"] = [preferring(mean, self._mean(other)) for other in others]
-        return entry
-
-    def _mean(self, which: int) -> float:
-        clips = self._clips[which]
-        return sum(count * jod for _, count, jod in clips) / sum(count for _, count, _ in clips)

@@ -5,21 +5,19 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import attrs
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ..colour import picture_from_linear
 from ..display import Display, Status, Tick
-from ..gpu import Canvas, Gpu, download
+from ..gpu import Canvas, Gpu
 from ..link import ResponseTime, figures_of_parts
 from ..metrics import aggregate_columns, middle_and_tail
 from ..options import AUTO
@@ -29,9 +27,7 @@ from ..report import FRAME_COLUMNS, OutputFolder, live_lines, render_live_report
 from ..scenes import InputEvent
 from .options import LiveOptions
 from .recorder import Lines
-from .run import Run
 from .run_summary import (
-    EYES,
     OWNED,
     STAGE_COLUMNS,
     Answers,
@@ -43,6 +39,9 @@ from .run_summary import (
     stage_columns,
     summary_of,
 )
+
+if TYPE_CHECKING:
+    from .live_run import PipelineHost
 
 Array = NDArray[np.float64]
 _MOST_EYES = 2
@@ -89,7 +88,6 @@ class HoleCounter:
 MOST_ROWS = 1 << 15  # six minutes at 90 Hz are kept whole
 MOST_EVENTS = 1000  # switches, losses; a held key makes thirty a second
 _MOST_NOTICES = 50  # different ones
-_MORE = "others"
 OF_EYE = (*STAGE_COLUMNS, "hole_share")
 _STAGES = {name.removesuffix("_ms"): name for name in STAGE_COLUMNS[:-1]}
 _RESPONSE = tuple(ResponseTime().parts())
@@ -138,37 +136,6 @@ class Thinned:
         return kept
 
 
-_WAITING = 8  # full pictures in memory at a time; beyond that the loop waits for the disk
-
-
-class Pictures:
-    """Keep every n-th refresh as images/frame-NNNNNN-{left,right}.png.
-
-    Reading a picture back waits for the GPU: such a refresh is late. every: 0 for none.
-    """
-
-    def __init__(self, out: OutputFolder, every: int) -> None:
-        self._out, self._every = out, every
-        self._writer = ThreadPoolExecutor(1, "pictures")
-        self._under_way: deque[Future[None]] = deque()
-
-    def keep(self, number: int, refresh: Refresh) -> None:
-        """Read a picture back if it is to be kept. Errors: as write_png, for an earlier picture."""
-        for eye, result in enumerate(refresh.eyes if self._every and number % self._every == 0 else ()):
-            while len(self._under_way) >= _WAITING:
-                self._under_way.popleft().result()
-            linear = download(result.panel.texture)
-            self._under_way.append(self._writer.submit(self._write, f"frame-{number:06d}-{EYES[eye]}.png", linear))
-
-    def _write(self, name: str, linear: NDArray[np.floating]) -> None:
-        self._out.write_png(f"images/{name}", picture_from_linear(linear))
-
-    def close(self) -> None:
-        self._writer.shutdown()
-        while self._under_way:
-            self._under_way.popleft().result()
-
-
 @attrs.frozen(eq=False)
 class LiveResult:
     """The results of a live run."""
@@ -183,15 +150,6 @@ class LiveResult:
 
     def describe(self) -> list[str]:
         return live_lines(self.summary, self.folder)
-
-
-class Host(Protocol):
-    """What has the run that is shown, and its options as they are now."""
-
-    run: Run[LiveOptions]
-    options: LiveOptions
-
-    def values(self) -> dict[str, object]: ...
 
 
 class LiveLog:
@@ -212,7 +170,6 @@ class LiveLog:
         if options.out is not None:
             self._out = OutputFolder(options.out, owned=OWNED, force=options.force)
             self._rows = Lines(self._out.path("frames.csv"))
-            self._pictures = Pictures(self._out, options.images_every)
         # One row for each refresh, under COLUMNS.
         self._times = Thinned(COLUMNS)
         self._timeline, self._answers = Timeline(), Answers()
@@ -231,7 +188,7 @@ class LiveLog:
         # Missed ones since the last picture, and the most in a row.
         self._stale = self._longest_stale = 0
         # None until the display is open, as are the attributes that `begin` adds.
-        self._host: Host | None = None
+        self._host: PipelineHost | None = None
         # What chose warps last, and how many of its switches are logged.
         self._auto: AdaptiveCompensator | None = None
         self._auto_changes = 0
@@ -246,7 +203,7 @@ class LiveLog:
         self._written = False
         self._finishing, self._finished = threading.Lock(), False
 
-    def begin(self, display: Display, host: Host) -> None:
+    def begin(self, display: Display, host: PipelineHost) -> None:
         self.options = options = attrs.evolve(self.options, latency_ms=host.options.latency_ms)
         run = host.run
         headset = display.headset.name if display.headset is not None else display.about.get("headset") or display.name
@@ -269,7 +226,7 @@ class LiveLog:
         last_s = (self._last.shown_ns - self._first_ns) * 1e-9 if self._last is not None else 0.0
         return {"time_s": last_s, "frame": self.count - 1}
 
-    def changed(self, host: Host) -> None:
+    def changed(self, host: PipelineHost) -> None:
         if self._host is not None:
             before, self._values = self._values, host.values()
             self._changed(before, self._values, "manual")
@@ -304,9 +261,8 @@ class LiveLog:
             self._stale += tick.missed
             self._longest_stale = max(self._longest_stale, self._stale)
         status.missed, status.notice = counts["missed"], notice
-        if notice:
-            is_known = notice in self._notices or len(self._notices) < _MOST_NOTICES
-            self._notices[notice if is_known else _MORE] += 1
+        if notice and (notice in self._notices or len(self._notices) < _MOST_NOTICES):
+            self._notices[notice] += 1
         before_ns, self._submitted_ns = self._submitted_ns, None if refresh is None else submitted_ns
         if refresh is None:
             counts["waiting" if tick.render else "unseen"] += 1
@@ -326,8 +282,6 @@ class LiveLog:
         for plot, value in recent:
             if value is not None:
                 plot.append(value)
-        if self._out is not None:
-            self._pictures.keep(self.count, refresh)
         self._last, self._pending = refresh, (moment, refresh, period_ms)
         run = self._host.run
         if run.channel is not self._channel:
@@ -413,10 +367,7 @@ class LiveLog:
         if self._pending is not None:  # the GPU went away before its times could be read
             moment = self._pending[0]
             self._log(moment, [{}] * moment.eyes)
-        try:
-            self._rows.close()
-        finally:
-            self._pictures.close()
+        self._rows.close()
         self._summary = self._sum_up()
         page = render_live_report(self._summary, self._times.column, command=self.options.command)
         out.write_text("report.html", page)
@@ -478,8 +429,6 @@ class LiveLog:
         for lost in self._lost[:5]:
             away = "and did not come back" if lost["away_s"] is None else f"for {lost['away_s']:.1f} s"
             notes.append(f"The display went away at {lost['time_s']:.2f} s {away}: {lost['why']}")
-        if self.options.images_every:
-            notes.append("Kept pictures were read back from the GPU, which makes their refreshes late.")
         if self._times.every > 1:
             notes.append(
                 f"Medians, percentiles and curves are of every {self._times.every}th refresh; frames.csv has all of "

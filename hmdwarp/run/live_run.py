@@ -11,6 +11,7 @@ import threading
 import time
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, nullcontext, suppress
 from pathlib import Path
 from types import FrameType
@@ -170,17 +171,18 @@ class Watchdog:
 
     def _end(self, what: str) -> None:
         saved: list[str] = []
-        for say_last in self._last_words:
-            _within(LAST_WORDS_S, lambda say_last=say_last: saved.append(say_last()))  # type: ignore[misc]
-        found = f"hmdwarp: the OpenXR runtime has not answered {what} for {self._limit_s:g} s: it hangs"
-        line = "; ".join([found, "end its service, start it again, then try once more", *filter(None, saved)])
 
         def tell() -> None:
+            found = f"hmdwarp: the OpenXR runtime has not answered {what} for {self._limit_s:g} s: it hangs"
+            line = "; ".join([found, "end its service, start it again, then try once more", *filter(None, saved)])
             # Not sys.stderr, which may be locked by the hung thread.
             os.write(2, f"{' '.join(line.split())}\n".encode(errors="replace"))
             sys.stdout.flush()  # os._exit does not flush
 
-        _within(_PRINTING_S, tell)
+        words = [(lambda say=say: saved.append(say()), LAST_WORDS_S) for say in self._last_words]  # type: ignore[misc]
+        for do, limit_s in (*words, (tell, _PRINTING_S)):
+            with suppress(BaseException):  # it may fail, or hang itself
+                ThreadPoolExecutor(1).submit(do).result(limit_s)
         os._exit(MachineError.exit_status)
 
     def __enter__(self) -> Watchdog:
@@ -190,18 +192,6 @@ class Watchdog:
     def __exit__(self, *_: object) -> None:
         self._over.set()
         self._thread.join()
-
-
-def _within(limit_s: float, do: Callable[[], object]) -> None:
-    """Call it, but wait no longer than that; ignore any failure."""
-
-    def guarded() -> None:
-        with suppress(BaseException):
-            do()
-
-    thread = threading.Thread(target=guarded, daemon=True)
-    thread.start()
-    thread.join(limit_s)
 
 
 class GarbageControl:
@@ -811,13 +801,10 @@ def open_display(
     watching: _Watching,
     say: Callable[[str], None],
     controls: tuple[Control, ...] = CONTROLS,
-    *,
-    briefly: bool = False,
 ) -> Display:
     """Return the display that the options name; for "auto" a headset if one answers, else a window.
 
-    say: called with the reason for the window. controls: offered to the user. briefly: give that
-    reason in a clause, and leave the rest to the doctor.
+    say: called with the reason for the window, in a clause. controls: offered to the user.
     Errors: MachineError that names what is missing and what to do.
     """
     wanted = display_options(options, source, watching, controls)
@@ -838,9 +825,7 @@ def open_display(
         raise MachineError(
             f"neither headset nor window: {why}; and {error}; or show it nowhere: --source offscreen"
         ) from error
-    if briefly:
-        why = f"{re.split('[:;] ', why, maxsplit=1)[0]} (hmdwarp doctor tells more)"
-    say(f"a window, as there is no headset: {why}")
+    say(f"a window, as there is no headset: {re.split('[:;] ', why, maxsplit=1)[0]} (hmdwarp doctor tells more)")
     return display
 
 

@@ -195,12 +195,6 @@ class LiveOptions(PipelineOptions):
         study="what was shown is kept in the study's store",
     )
     force: bool = force_field("the study's store overwrites nothing")
-    images_every: int = option(
-        0,
-        "With --out: keep every n-th picture as it was handed over; 0 for none.",
-        valid=Number(),
-        study="'hmdwarp study measure' makes the pictures afterwards, from the traces",
-    )
     reconnect_s: float = _of_display(60.0, "Seconds to wait for a runtime that went away.", valid=Number())
     hang_s: float = _of_display(5.0, "Seconds of silence after which a runtime is given up.", valid=Number(least=0.1))
     # Where frames come from, if not from here.
@@ -240,10 +234,6 @@ class LiveOptions(PipelineOptions):
             raise InputError(
                 "--warp auto in a live run needs a benchmark to choose from: make one by 'hmdwarp bench', give it by "
                 "--bench"
-            )
-        if self.images_every and self.out is None:
-            raise InputError(
-                f"--images-every {self.images_every}: there is no folder to keep pictures in; name one by --out"
             )
 
 

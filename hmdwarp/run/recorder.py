@@ -128,7 +128,6 @@ class Lines:
 
 
 LEAST = 2  # one pose is no motion, and no trace reader accepts it
-_TAIL = 4096  # bytes: longer than any row
 
 
 class Recorder:
@@ -237,14 +236,9 @@ class Recorder:
         if self.kept < LEAST:
             came = counted(self.count, "pose") if self.count else "no pose"
             return f"{self.path}: nothing recorded, {came} came{beside}"
-        seconds = (self._last_ns - self._first_ns) * 1e-9
-        if self.kept != self.count:  # from the first pose to the last on the disk
-            with self.path.open("rb") as file:
-                file.seek(-min(_TAIL, file.seek(0, os.SEEK_END)), os.SEEK_END)
-                last = file.read().splitlines()[-1]
-            seconds = (int(last.split(b",")[0]) - self._first_ns) * 1e-9
+        length = f", {(self._last_ns - self._first_ns) * 1e-9:.3f} s" if self.kept == self.count else ""
         acted = f"; {self.inputs_path.name}: {counted(self._inputs.written - 1, 'input')}" if self._inputs else ""
-        return f"{self.path}: {counted(self.kept, 'pose')}, {seconds:.3f} s{acted}{beside}"
+        return f"{self.path}: {counted(self.kept, 'pose')}{length}{acted}{beside}"
 
     def __enter__(self) -> Recorder:
         return self

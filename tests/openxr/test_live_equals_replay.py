@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from PIL import Image
 from replays import small
 
 from hmdwarp.colour import picture_from_linear
@@ -75,6 +74,7 @@ class EyesAsTheyWere:
 
     def __init__(self) -> None:
         self.known: list[list[View]] = []
+        self.handed_over: list[list[NDArray[np.uint8]]] = []  # pictures, left and right
         self.at = 0
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
@@ -92,14 +92,16 @@ def run_live(here: Here, remote_head, out: Path, recording: Path, passes: dict[s
     remote_head.put(poses[0])
 
     def after(number: int) -> None:
-        were.known.append([given.shown for given in here.watched.shown[-1].inputs])
+        refresh = here.watched.shown[-1]
+        were.known.append([given.shown for given in refresh.inputs])
+        were.handed_over.append([picture_from_linear(download(eye.panel.texture)) for eye in refresh.eyes])
         if number < POSES:
             remote_head.put(poses[number])
             while np.abs(here.head().position_m - poses[number].position_m).max() > 1e-5:
                 pass  # not arrived yet; the next refresh begins after it has
 
     # A gather that writes its depth for the runtime places colours by other rounding.
-    how = {"samples": 1, "images_every": 1, "depth_layer": not passes["warp"].startswith("iterative")}
+    how = {"samples": 1, "depth_layer": not passes["warp"].startswith("iterative")}
     how |= {"latency_ms": LATENCY_MS, "record": recording, "out": out}
     here.run(quick(scene=SCENE, pictures=POSES, **how, **passes), after)
     return were
@@ -114,14 +116,6 @@ def rows_of(folder: Path) -> list[Shown]:
 def _pose(row: dict[str, str], which: str) -> Pose:
     values = [float(row[f"{which}_{part}"]) for part in ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")]
     return Pose(values[:3], values[3:])
-
-
-def pictures_of(folder: Path, number: int) -> list[NDArray[np.uint8]]:
-    """What the live run handed over at that refresh, left and right."""
-    return [
-        np.asarray(Image.open(folder / "images" / f"frame-{number:06d}-{eye}.png").convert("RGB"))
-        for eye in ("left", "right")
-    ]
 
 
 def replay_of(folder: Path, passes: dict[str, str]) -> ReplayRun:
@@ -167,6 +161,5 @@ def test_the_same_poses_and_pictures(remote_head, no_screen, monkeypatch, tmp_pa
         assert angle_between(row.head.orientation_xyzw, fed.orientation_xyzw) < 1e-4
         assert row.age_ms >= LATENCY_MS
     assert len({tuple(row.drawn.position_m) for row in rows}) > POSES / 3  # frames went by, and late ones were warped
-    handed_over = [pictures_of(out, number) for number in range(POSES)]
     with replay_of(tmp_path, passes) as made:
-        np.testing.assert_array_equal(replayed(made, rows, were), handed_over)
+        np.testing.assert_array_equal(replayed(made, rows, were), were.handed_over)

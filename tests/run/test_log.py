@@ -12,12 +12,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from PIL import Image
 from replays import contents, rows_of
 
 from hmdwarp.display import Command, Lost, Tick
 from hmdwarp.errors import MachineError
-from hmdwarp.gpu import Canvas, download, flip_rows, upload
+from hmdwarp.gpu import Canvas, download, upload
 from hmdwarp.poses import quaternions
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
 from hmdwarp.run import HoleCounter, LiveLog, LiveOptions
@@ -123,21 +122,6 @@ def test_the_summary_is_a_replay_s_and_more(monkeypatch, tmp_path, seen):
     assert live["refresh_ms"]["total"]["median"] > np.median(both) > live["refresh_ms"]["warp"]["median"] > 0
 
 
-def test_pictures_are_those_that_were_handed_over(monkeypatch, tmp_path):
-    _, display = go(monkeypatch, tmp_path / "out", keeps=True, options={"images_every": 4})
-    shown = [picture for picture, label in zip(display.pictures, display.labels, strict=True) if not label]
-    names = sorted(path.name for path in (tmp_path / "out" / "images").iterdir())
-    kept = range(0, len(shown), 4)
-    assert names == [f"frame-{number:06d}-{eye}.png" for number in kept for eye in ("left", "right")]
-    for number in kept:
-        files = [tmp_path / "out" / "images" / f"frame-{number:06d}-{eye}.png" for eye in ("left", "right")]
-        halves = [np.asarray(Image.open(file)) for file in files]
-        window = flip_rows(shown[number]).astype(int)
-        # A shader's powers and NumPy's table: each rounds to the nearest of 255 levels, seldom to
-        # different ones.
-        assert np.abs(np.concatenate(halves, axis=1).astype(int) - window).max() <= 1
-
-
 def test_events_are_listed(monkeypatch, tmp_path):
     events = {
         8: Tick(0, 0, render=False), 9: Tick(0, 0, missed=2, notice="tracking lost"), 10: Lost("the runtime is gone"),
@@ -167,7 +151,7 @@ def test_events_are_listed(monkeypatch, tmp_path):
 
 def test_a_view_of_one_eye_has_one_row(monkeypatch, tmp_path):
     asked = {10: [Command("view", "both")]}
-    result, _ = go(monkeypatch, tmp_path / "out", view="flat", asked=asked, options={"view": "flat", "images_every": 5})
+    result, _ = go(monkeypatch, tmp_path / "out", view="flat", asked=asked, options={"view": "flat"})
     eyes = [int(row["eye"]) for row in rows_of(tmp_path / "out")]
     first = eyes.index(1)
     assert set(eyes[: first - 1]) == {0} and eyes[first - 1 :] == [0, 1] * ((len(eyes) - first + 1) // 2)
