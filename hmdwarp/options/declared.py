@@ -9,7 +9,6 @@ import os
 import re
 import typing
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from functools import partial
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar, get_type_hints
@@ -375,7 +374,6 @@ _HELP = (
     "Overscan: ask the server for this many times the pixels on each axis, and so of the field of view in tangents: "
     "1.5 makes 2.25 times the pixels; 1.25x1.125 has a factor for each axis."
 )
-_BOTH = "--guard and --rendered-size both say how much the server draws: leave one of them out"
 
 
 def parse_size(text: str, flag: str = "--size") -> Size:
@@ -391,23 +389,15 @@ def parse_guard(text: str) -> Guard | str:
     if text.strip() == AUTO:
         return AUTO
     try:
-        x, *y = map(float, re.split(b"[xX]", text.encode("ascii")))
+        x, *others = map(float, re.split(b"[xX]", text.encode("ascii")))
+        (y,) = others or [x]
     except ValueError as error:
-        raise InputError(f"--guard '{text}': expected {_FACTORS}, or {AUTO}; pixels are --rendered-size") from error
-    if len(y) > 1:
-        raise InputError(f"--guard '{text}': expected {_FACTORS}, or {AUTO}")
-    return (x, y[0]) if y and y[0] != x else x
-
-
-def _check_rendered(instance: Any, _: attrs.Attribute[Any], value: Size | None) -> None:
-    # The guard band of recorded frames is what the display leaves of their own pixels.
-    is_recorded = getattr(instance, "frames", None) is not None
-    if value is not None and instance.guard not in (1.0, DEFAULT_GUARD) and not is_recorded:
-        raise InputError(_BOTH)
+        raise InputError(f"--guard '{text}': expected {_FACTORS}, or {AUTO}") from error
+    return x if x == y else (x, y)
 
 
 def guard_field(default: Any, more: str = "", /, **about: Any) -> Any:
-    """Return the field of `--guard`. It stands before that of `--rendered-size`.
+    """Return the field of `--guard`.
 
     default: a factor, or an attrs.Factory, which `more` explains: added to the help that all share.
     """
@@ -422,29 +412,11 @@ def guard_field(default: Any, more: str = "", /, **about: Any) -> Any:
     return option(default, f"{_HELP}{more}{said}", valid=check, **about)
 
 
-def rendered_size_field(heading: str = "") -> Any:
-    """Return the field of `--rendered-size`. heading: as of Option."""
-    help = (
-        "Pixels of one eye that the server draws, in place of a guard: 1600x900 for a display of 1280x800 is guard "
-        "1.25x1.125, and 1.41 times the pixels."
-    )
-    parse = partial(parse_size, flag="--rendered-size")
-    return option(None, help, metavar="WxH", heading=heading, parse=parse, valid=_check_rendered)
-
-
-def check_one_guard(said: Mapping[str, Any]) -> None:
-    """Raise InputError if both options were set."""
-    if said.get("guard") is not None and said.get("rendered_size") is not None:
-        raise InputError(_BOTH)
-
-
-def guard_band(options: Any) -> geometry.GuardBand:
-    """Return the guard band of the options. Errors: InputError while it is "auto"."""
-    if isinstance(options.guard, str):
+def guard_band(guard: Guard | str) -> geometry.GuardBand:
+    """Return the guard band of the option. Errors: InputError while it is "auto"."""
+    if isinstance(guard, str):
         raise InputError("--guard auto looks at a whole trace first: give a number, or replay a recording")
-    if options.rendered_size is not None:
-        return geometry.GuardBand(size=options.rendered_size)
-    return geometry.GuardBand.of(options.guard)
+    return geometry.GuardBand.of(guard)
 
 
 PAPER_TABLES, PLOTS = {"latex": "tex", "markdown": "md"}, ("svg", "pdf")

@@ -433,8 +433,6 @@ def changed(options: LiveOptions, command: Command) -> LiveOptions:
     change: dict[str, Any] = {"latency_ms" if name == "latency" else name: value}
     if name == "scene":
         change["scene_options"] = SceneOptions()  # those of a file, which this scene is not
-    if name == "guard":
-        change["rendered_size"] = None
     return attrs.evolve(options, **change)
 
 

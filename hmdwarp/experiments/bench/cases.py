@@ -173,7 +173,7 @@ def plan_of(
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:
     """Return the options of a run of one case, whose head does not depend on the latency."""
-    same = ("effects", "fovea_deg", "rim", "gaze", "start_s", "rendered_size", "predict", "horizon_ms")
+    same = ("effects", "fovea_deg", "rim", "gaze", "start_s", "predict", "horizon_ms")
     known: dict[str, Any] = options.of_run(*same, "out", "command") | {
         "trace": case.recording,
         "scene": case.scene,
@@ -183,7 +183,7 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
         "lens": "none",
         "size": case.size,
         "network": LinkOptions(server_rate_hz=case.server_rate_hz),
-        "guard": 1.0 if options.rendered_size else options.guard,
+        "guard": options.guard,
         "against": "",
     }
     if options.frames is not None:
@@ -244,7 +244,7 @@ class BenchCase:
 
     def batched(self, most_bytes: float) -> list[list[Combination]]:
         """Return the combinations that fit in so many bytes together."""
-        rendered = guarded_size(guard_band(self.options), self.headset, self.case.size)
+        rendered = guarded_size(guard_band(self.options.guard), self.headset, self.case.size)
         return batches(self.combinations, rendered, self.case.size, most_bytes)
 
 
@@ -267,7 +267,7 @@ def prepared(options: BenchOptions) -> BenchCase:
     (case,) = cases_of(options)
     source = source_of(options, case.scene)
     headset = source.headset
-    guarded_size(guard_band(options), headset, case.size)
+    guarded_size(guard_band(options.guard), headset, case.size)
     run = run_options(options, case)
     (head,) = heads_of(options, source).values()
     count = schedule_for(run, source, head, options.rate_hz or headset.refresh_hz).count
@@ -280,7 +280,7 @@ def prepared(options: BenchOptions) -> BenchCase:
 def source_of(options: BenchOptions, scene: str) -> Source:
     """Return the recorded frames of the options, or one of their scenes."""
     if options.frames is not None:
-        return RecordingSource(open_sequence(options.frames, options.sequence_options), guard_band(options))
+        return RecordingSource(open_sequence(options.frames, options.sequence_options), guard_band(options.guard))
     return Source(PipelineOptions(scene=scene, scene_options=options.scene_options, headset=options.headset))
 
 

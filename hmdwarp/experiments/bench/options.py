@@ -18,7 +18,6 @@ from ...options import (
     Guard,
     Number,
     PaperOptions,
-    check_one_guard,
     force_field,
     group,
     guard_field,
@@ -68,7 +67,7 @@ class BenchOptions(RecordedOptions):
     """
 
     # What a recording has itself, or cannot have.
-    with_frames = ("recordings", "scenes", "rendered_size", "predict", "rate_hz", "strategies")
+    with_frames = ("recordings", "scenes", "predict", "rate_hz", "strategies")
     why_not = "a bench takes what was recorded"
 
     # Sets what is run; "" for none.
@@ -111,7 +110,6 @@ class BenchOptions(RecordedOptions):
     # Empty for the display's.
     server_rates_hz: tuple[float, ...] = several(_LINK.server_rate_hz, ())
     guard: Guard = guard_field(DEFAULT_GUARD)
-    rendered_size: Size | None = same_as(_RUN.rendered_size)
     # Of all combinations, `none` among them, as of a replay and what it is compared with.
     predict: str = same_as(
         _RUN.predict,
@@ -134,7 +132,6 @@ class BenchOptions(RecordedOptions):
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that were set. Errors: InputError."""
         said = with_suite(said)
-        check_one_guard(said)
         values = super().values_of(said)
         return values if said.get("frames") is None else {"guard": 1.0, **values, "predict": "none"}
 
