@@ -37,7 +37,6 @@ from .picture_pairs import blocks_apart as blocks_apart
 from .picture_pairs import blocks_text as blocks_text
 from .picture_pairs import db_of as db_of
 from .picture_pairs import error_image as error_image
-from .picture_pairs import pixel_centres as pixel_centres
 from .pool import Kept as Kept
 from .pool import MeasuringThreads as MeasuringThreads
 from .pool import QualityPool as QualityPool

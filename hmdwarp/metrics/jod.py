@@ -55,13 +55,6 @@ def ratings_of(row: Mapping[str, Any]) -> dict[str, float]:
     return {JOD.name: rated["mean"], TRUTH_PREFERRED.name: rated["truth_preferred"]}
 
 
-def check_rating() -> None:
-    """Check that clips can be rated, before a long run; loads nothing. Errors: as Clips."""
-    for module, package in MODULES.items():
-        if importlib.util.find_spec(module) is None:
-            raise MachineError(missing_extra(package, EXTRA))
-
-
 @attrs.frozen
 class ShownOn:
     """The display on which people would see the pictures: luminances in cd/m^2."""
@@ -99,7 +92,9 @@ class Clips:
     """
 
     def __init__(self, seconds: float, display: ShownOn) -> None:
-        check_rating()
+        for module, package in MODULES.items():  # loads nothing
+            if importlib.util.find_spec(module) is None:
+                raise MachineError(missing_extra(package, EXTRA))
         self.display = display
         self.length = max(2, round(seconds * display.rate_hz))  # pictures of a whole clip
         self.failure = ""  # in one line; empty while all went well

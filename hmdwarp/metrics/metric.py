@@ -16,7 +16,7 @@ from ..errors import HmdwarpError, InputError
 from ..geometry import View, WarpMap
 from ..gpu import flip_rows
 from ..registry import Registry
-from .picture_pairs import Alike, Compared, check_pair, db_of, row_blocks
+from .picture_pairs import Alike, Compared, db_of
 
 
 class Input(enum.Flag):
@@ -30,10 +30,6 @@ class Input(enum.Flag):
     ALIKE = enum.auto()  # what a PairPass has found
 
 
-def _covered(coverage: Any) -> Any:
-    return None if coverage is None else np.asarray(coverage) != 0
-
-
 @attrs.frozen(eq=False)
 class QualityJob:
     """One eye of one frame to measure. Inputs that are None leave out the metrics that need them.
@@ -44,7 +40,9 @@ class QualityJob:
     now: Compared  # after the fill, before the lens
     previous: Compared | None = None  # the neighbouring frame of the same eye, from which a PairPass finds flicker
     # (h, w), coverage after the warp and before the fill; anything but 0 is covered.
-    covered: NDArray[np.bool_] | None = attrs.field(default=None, converter=_covered)
+    covered: NDArray[np.bool_] | None = attrs.field(
+        default=None, converter=attrs.converters.optional(lambda coverage: np.asarray(coverage) != 0)
+    )
     truth_inverse_depth: NDArray[Any] | None = None  # (h, w), 1/m in the shown view, top row first
     rendered: View | None = None  # view and (w, h) of the late frame
     rendered_size: tuple[int, int] | None = None
@@ -69,11 +67,6 @@ class QualityJob:
             )
 
     @property
-    def flicker(self) -> float | None:
-        """Flicker that a PairPass has found; None: it has not."""
-        return None if self.alike is None else self.alike.flicker
-
-    @property
     def inputs(self) -> Input:
         """The inputs of metrics that the job has."""
         there = {
@@ -81,7 +74,7 @@ class QualityJob:
             Input.COVERAGE: self.covered,
             Input.DEPTH: self.truth_inverse_depth,
             Input.RENDERED: None if self.rendered is None else self.rendered_size,
-            Input.PREVIOUS: self.flicker,
+            Input.PREVIOUS: None if self.alike is None else self.alike.flicker,
             Input.ALIKE: self.alike,
         }
         return Input(sum(flag.value for flag, value in there.items() if value is not None))
@@ -258,27 +251,14 @@ def border_holes(
 
     coverage, truth_inverse_depth: (h, w), top row first; 0 of the former is a hole; the latter in
     1/m in the shown view, 0 (or NaN) = infinitely far. rendered_size: (w, h) of the late frame.
-    Errors: InputError if their sizes differ.
     """
-    if coverage.shape != truth_inverse_depth.shape or coverage.ndim != 2:
-        shapes = f"{coverage.shape} and {truth_inverse_depth.shape}"
-        raise InputError(
-            f"coverage and the truth's inverse depth have shapes {shapes}: expected two of the same (h, w)"
-        )
     holes, inverse_depth = flip_rows(np.asarray(coverage) == 0), flip_rows(np.asarray(truth_inverse_depth))
-    height, width = holes.shape
-    mapping = WarpMap.between(shown, (width, height), rendered, rendered_size)
+    mapping = WarpMap.between(shown, holes.shape[::-1], rendered, rendered_size)
+    places = np.stack(holes.nonzero()[::-1], axis=1) + 0.5
+    pixel, _, w = mapping.apply(places, np.nan_to_num(inverse_depth[holes].astype(np.float64), nan=0.0))
     beyond = np.zeros(holes.shape, bool)
-    for rows in row_blocks(height):
-        here = holes[rows]
-        if not here.any():
-            continue
-        depth = np.nan_to_num(inverse_depth[rows][here].astype(np.float64), nan=0.0)
-        y, x = here.nonzero()
-        pixel, _, w = mapping.apply(np.stack([x, y + rows.start], axis=1) + 0.5, depth)
-        beyond[rows][here] = ~((w > 0) & (pixel >= 0).all(axis=-1) & (pixel <= rendered_size).all(axis=-1))
-    found: NDArray[np.bool_] = flip_rows(beyond)
-    return found
+    beyond[holes] = ~((w > 0) & (pixel >= 0).all(axis=-1) & (pixel <= rendered_size).all(axis=-1))
+    return np.asarray(flip_rows(beyond))
 
 
 def region_of(
@@ -322,12 +302,7 @@ def region_sums(
     """Return (REGIONS, 3) sums of one picture: pixels, squared errors as integers, FLIP errors.
 
     shown, truth: (h, w, 3) uint8. region: (h, w), as of region_of. flip_map: (h, w), 0..1.
-    Errors: InputError for sizes that do not belong together.
     """
-    check_pair(shown, truth)
-    if shown.dtype != np.uint8 or not shown.shape[:2] == region.shape == flip_map.shape:
-        found = f"{shown.dtype} pictures {shown.shape}, regions {region.shape}, FLIP map {flip_map.shape}"
-        raise InputError(f"{found}: expected uint8 (h, w, 3) and two (h, w)")
     region = region.ravel()
     difference = shown.astype(np.int32) - truth
     squared = np.einsum("hwc,hwc->hw", difference, difference).ravel()

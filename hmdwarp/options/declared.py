@@ -11,7 +11,7 @@ import typing
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar, get_type_hints
+from typing import Any, ClassVar, Generic, Self, TypeVar, get_type_hints
 
 import attrs
 
@@ -454,14 +454,8 @@ class NoSettings:
     """No settings."""
 
 
-class _HasSettings(Protocol):
-    """An entry of a registry that can be set."""
-
-    name: ClassVar[str]
-    Settings: ClassVar[type]  # An attrs class; each field has a default.
-
-
-Entry = TypeVar("Entry", bound=_HasSettings)
+# A class of a registry with a `name` and `Settings`, an attrs class; each field has a default.
+Entry = TypeVar("Entry", bound=Any)
 
 
 @attrs.frozen
@@ -514,11 +508,11 @@ def parse_settings(kind: type, name: str, named: str, text: str) -> Any:
             continue
         try:
             values[key] = kind_of(value.encode("ascii") if kind_of in (int, float) else value)
+            if kind_of is float and not math.isfinite(values[key]):
+                raise ValueError
         except ValueError as error:
-            wanted = {int: "a whole number", float: "a number"}.get(kind_of, kind_of.__name__)
+            wanted = {int: "a whole number", float: "a finite number"}.get(kind_of, kind_of.__name__)
             raise InputError(f"{named}: {key} is '{value}': expected {wanted}") from error
-        if kind_of is float and not math.isfinite(values[key]):
-            raise InputError(f"{named}: {key} is '{value}': expected a finite number")
     try:
         return kind(**values)
     except (ValueError, TypeError) as error:

@@ -30,7 +30,6 @@ _NAMING |= {
     ending: rf"^\s*{begins}(.*)$"
     for ending, begins in ((".obj", "mtllib"), (".mtl", "map_kd"), (".ply", "comment texturefile"))
 }
-_CHUNK = 1 << 20
 
 
 def identity_of(kind: str, what: Any) -> str:
@@ -111,8 +110,7 @@ def _hash_of_files(files: tuple[tuple[Path, int, int], ...], base: Path) -> str:
     for path, _, _ in files:
         found.update(path.relative_to(base).as_posix().encode(errors="surrogatepass") + b"\0")
         with opened(path, BAG) as stream:
-            while chunk := stream.read(_CHUNK):
-                found.update(chunk)
+            found.update(hashlib.file_digest(stream, "sha256").digest())
     return found.hexdigest()
 
 

@@ -31,10 +31,10 @@ from .run_summary import (
     OWNED,
     STAGE_COLUMNS,
     Answers,
-    Moment,
     Row,
     Timeline,
     csv_text,
+    row_of,
     speeds_between,
     stage_columns,
     summary_of,
@@ -198,7 +198,7 @@ class LiveLog:
         self._first_ns = 0
         self._submitted_ns: int | None = None
         # The entry still to be logged: its times are known at the next refresh.
-        self._pending: tuple[Moment, Refresh, float | None] | None = None
+        self._pending: tuple[Row, Refresh, float | None] | None = None
         self._summary: dict[str, Any] = {}
         self._written = False
         self._finishing, self._finished = threading.Lock(), False
@@ -272,17 +272,17 @@ class LiveLog:
             self._first_ns = refresh.shown_ns
         self._answers.see(refresh.shown_ns, refresh.frame.shows_ns)
         speeds = speeds_between(self._last, refresh)
-        moment = Moment.of(self.count, refresh, self._first_ns, speeds, submitted_ns)
+        row = row_of(self.count, refresh, self._first_ns, speeds, submitted_ns)
         period_ms = None if before_ns is None else (submitted_ns - before_ns) * 1e-6
         recent = (
-            (status.age_ms, moment.figures["age_ms"]),
-            (status.pose_age_ms, moment.figures["pose_age_ms"]),
+            (status.age_ms, row["age_ms"]),
+            (status.pose_age_ms, row["pose_age_ms"]),
             (status.period_ms, period_ms),
         )
         for plot, value in recent:
             if value is not None:
                 plot.append(value)
-        self._last, self._pending = refresh, (moment, refresh, period_ms)
+        self._last, self._pending = refresh, (row, refresh, period_ms)
         run = self._host.run
         if run.channel is not self._channel:
             self._timeline = Timeline()
@@ -304,8 +304,8 @@ class LiveLog:
             self._holes.count(warped)
         if self._pending is None:
             return
-        (moment, refresh, period_ms), self._pending = self._pending, None
-        shares: tuple[float | None, ...] = self._holes.shares() or (None,) * moment.eyes
+        (row, refresh, period_ms), self._pending = self._pending, None
+        shares: tuple[float | None, ...] = self._holes.shares() or (None,) * len(refresh.eyes)
         eyes = [
             {**stage_columns(stages), "hole_share": share}
             for stages, share in zip(refresh.stage_ms, shares, strict=True)
@@ -321,15 +321,14 @@ class LiveLog:
         of_eyes = {f"{name}/{number}": eye[name] for number, eye in enumerate(eyes) for name in OF_EYE}
         response = {f"response/{name}": part_ms for name, part_ms in refresh.response.parts().items()}
         own = {"period_ms": period_ms, "render_ms": render_ms, "busy_ms": render_ms + passes_ms}
-        self._times.add({**moment.figures, **own, **of_eyes, **response})
+        self._times.add({**row, **own, **of_eyes, **response})
         self._timeline.add(refresh)
-        self._log(moment, eyes)
+        self._log(row, eyes)
 
-    def _log(self, moment: Moment, eyes: Sequence[Row]) -> None:
+    def _log(self, row: Row, eyes: Sequence[Row]) -> None:
         """Write the lines of frames.csv. eyes: what differs between them."""
         if self._out is not None:
-            same = {**moment.figures, **moment.poses()}
-            self._rows.add(csv_text([{**same, "eye": number, **eye} for number, eye in enumerate(eyes)]))
+            self._rows.add(csv_text([{**row, "eye": number, **eye} for number, eye in enumerate(eyes)]))
 
     def leave(self) -> None:
         """Read the times of the last refresh, before the GPU goes away. Failures are ignored."""
@@ -365,8 +364,8 @@ class LiveLog:
 
     def _write(self, out: OutputFolder) -> None:
         if self._pending is not None:  # the GPU went away before its times could be read
-            moment = self._pending[0]
-            self._log(moment, [{}] * moment.eyes)
+            row, refresh, _ = self._pending
+            self._log(row, [{}] * len(refresh.eyes))
         self._rows.close()
         self._summary = self._sum_up()
         page = render_live_report(self._summary, self._times.column, command=self.options.command)

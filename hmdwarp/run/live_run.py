@@ -695,11 +695,8 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: _AfterRefres
         display = stack.enter_context(closing(open_display(options, source, watchdog.watching, say)))
         ending.now_ns = display.now_ns
         if source.kind.is_timed:
-            of = (
-                "the server's scene"
-                if source.scene.name == SERVER_SCENE
-                else f"scene '{source.scene.name}' on both ends"
-            )
+            named = source.scene.name
+            of = "the server's scene" if named == SERVER_SCENE else f"scene '{named}' on both ends"
             say(f"connecting to {options.feed.connect}; {of}")
         host = PipelineHost(display, options, source, say)
         stack.callback(host.close)
@@ -805,7 +802,16 @@ def open_display(
     say: called with the reason for the window, in a clause. controls: offered to the user.
     Errors: MachineError that names what is missing and what to do.
     """
-    wanted = display_options(options, source, watching, controls)
+    trace, fitted = source.head(load_trace(options.trace) if options.trace else None), source.fitted(options)
+    same = ("headset", "view", "size", "full_screen", "vsync", "depth_layer", "rate_hz")
+    wanted = DisplayOptions(
+        **{name: getattr(fitted, name) for name in same},
+        emulated=source.headset if source.kind.has_head else None,
+        control_panel=options.panel,
+        watching=watching,
+        trace=trace.track if trace is not None else None,
+        controls=controls,
+    )
     if options.source == OFFSCREEN:
         return OffscreenDisplay(wanted, real_time=source.kind.is_timed)
     # What was recorded is seen from where the camera was, not from a headset's head.
@@ -825,23 +831,6 @@ def open_display(
         ) from error
     say(f"a window, as there is no headset: {re.split('[:;] ', why, maxsplit=1)[0]} (hmdwarp doctor tells more)")
     return display
-
-
-def display_options(
-    options: LiveOptions, source: Source, watching: _Watching, controls: tuple[Control, ...] = CONTROLS
-) -> DisplayOptions:
-    """Return the options that the display needs of the run."""
-    trace = source.head(load_trace(options.trace) if options.trace else None)
-    options = source.fitted(options)
-    same = ("headset", "view", "size", "full_screen", "vsync", "depth_layer", "rate_hz")
-    return DisplayOptions(
-        **{name: getattr(options, name) for name in same},
-        emulated=source.headset if source.kind.has_head else None,
-        control_panel=options.panel,
-        watching=watching,
-        trace=trace.track if trace is not None else None,
-        controls=controls,
-    )
 
 
 BY = "hmdwarp record"

@@ -96,11 +96,8 @@ def replay(
 
 
 def _write_delays(setup: ReplayRun, out: OutputFolder) -> None:
-    """Write delays.csv: what --delay-trace takes to show the same frames at the same ages again.
-
-    That replay begins to draw as long before the first shown refresh as the longest delay; what was
-    drawn here before is left out.
-    """
+    """Write delays.csv: what --delay-trace takes to show the same frames at the same ages again."""
+    # That replay begins to draw as long before the first shown refresh as the longest delay.
     schedule = setup.schedule
     start_s = (schedule.first_ns - setup.trace.track.start_ns) * 1e-9
     remote = setup.source.remote

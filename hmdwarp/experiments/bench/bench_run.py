@@ -98,7 +98,7 @@ def row_of(
         "frames": len(pictures),
         "client": client.name,
         # Why the client cannot run it.
-        "lacks": lacks if combination.is_outside else lacking(combination.plan, client),
+        "lacks": lacks if combination.warp in measuring.PLANLESS else lacking(combination.plan, client),
         # The system that the warp stands for.
         "baseline": baselines().get(combination.warp, ""),
         "at_instants": {

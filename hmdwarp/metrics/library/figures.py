@@ -215,7 +215,7 @@ metrics.register(
     Metric(
         name="flicker",
         order=60,
-        compute=lambda m: m.flicker,  # see PairPass
+        compute=lambda m: m.alike.flicker,  # see PairPass
         of_seen_share=lambda value, share: value,  # of the seen pixels already
         needs=Input.TRUTH | Input.PREVIOUS,
         label="Flicker",
