@@ -134,17 +134,6 @@ class Rows(list[dict[str, Any]]):
         return frame.astype({name: kinds[COLUMNS[name].kind] for name in NAMES if COLUMNS[name].is_number})
 
 
-def _left_out_notes(rows: Sequence[Row], client: Client) -> list[str]:
-    """Return which rows of bench.json the front leaves out."""
-    rows = [row for row in rows if row["warp"] != measuring.ORACLE]
-    lacking = [row for row in rows if row["lacks"]]
-    if not lacking:
-        return []
-
-    names = ", ".join(dict.fromkeys(map(row_name, lacking)))
-    return [f"Not in the front: client '{client.name}' ({client.summary}) cannot run {names}. --client names another."]
-
-
 ROWS, CROPS = "rows", "crops.npz"
 _MOST_METHODS = 5  # side by side
 _MOST_CROPS = 3  # cases of a page that have crops: a megabyte each
@@ -152,7 +141,7 @@ _MOST_CROPS = 3  # cases of a page that have crops: a megabyte each
 
 @functools.cache
 def examined() -> tuple[dict[str, Any], float]:
-    """Return what bench.json says of this machine, and most_bytes: once in each process."""
+    """Return what bench.json says of this machine, and the bytes for the passes of a batch."""
     with Gpu() as gpu:
         clocks = gpu.timer.check
         about = {
@@ -160,12 +149,8 @@ def examined() -> tuple[dict[str, Any], float]:
             "clock": clocks.clock,
             "clocks": {"wall_ms": clocks.wall_ms, "gpu_ms": clocks.gpu_ms, "note": clocks.note},
         }
-        return about, _most_bytes(gpu)
-
-
-def _most_bytes(gpu: Gpu) -> float:
-    """Return what the compensators of one batch may take."""
-    return measuring.MEMORY_PART * memory_bytes() if gpu.is_software else measuring.GPU_BATCH_BYTES
+        most = measuring.MEMORY_PART * memory_bytes() if gpu.is_software else measuring.GPU_BATCH_BYTES
+        return about, most
 
 
 def _run_case(threads: MeasuringThreads, case: SweepCase, step: Callable[[float], None]) -> Result:
@@ -181,7 +166,7 @@ def _run_case(threads: MeasuringThreads, case: SweepCase, step: Callable[[float]
 
     rows: list[tuple[measuring.Combination, dict[str, Any]]] = []
     for batch in chosen:
-        with work.set_up(batch) as setup:
+        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
             comparison = measuring.Comparison(setup, work.case, batch, pool, options.rounds)
             comparison.run(options.instants, steps)
             pool.wait()
@@ -205,27 +190,21 @@ def _crops(
     flips = sorted((flip, int(number)) for row in best[:1] for number, flip in row["at_instants"][PRIMARY].items())
     numbers = {"worst": flips[-1][1], "typical": flips[(len(flips) - 1) // 2][1]} if flips else {}
     for batch in chosen:
-        wanted = [made_by[id(row)] for row in best if made_by[id(row)] in batch]
+        wanted = {row_name(row): made_by[id(row)] for row in best if made_by[id(row)] in batch}
         if not wanted:
             continue
-        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in wanted)) as setup:
-            beside = measuring.SideBySide(setup, wanted)
+        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in wanted.values())) as setup:
+            beside = measuring.SideBySide(setup, [*wanted.values()])
             measured = measuring.instants_of(setup.schedule.count, work.options.instants)
             turns = {number: measured.index(number) for number in numbers.values()}
             for number, refresh in beside.refreshes(turns, turns):
                 pictures = beside.pictures(refresh, turns[number] % len(refresh.inputs))
-                for combination, picture in zip(wanted, pictures, strict=True):
-                    setup.hand_in(pool, (number, *_named(combination)), QualityJob(picture), keep=True)
+                for name, picture in zip(wanted, pictures, strict=True):
+                    setup.hand_in(pool, (number, name), QualityJob(picture), keep=True)
             pool.wait()
     kept = {each.key: each for each in pool.kept}
-    return [
-        Crops.of(which, {row_name(row): kept[number, *_named(made_by[id(row)])] for row in best})
-        for which, number in numbers.items()
-    ]
-
-
-def _named(combination: measuring.Combination) -> tuple[str, ...]:
-    return combination.strategy, combination.warp, combination.fill
+    names = [row_name(row) for row in best]
+    return [Crops.of(which, {name: kept[number, name] for name in names}) for which, number in numbers.items()]
 
 
 # A recording shows no more than was taken, so its guard band is cut off what is shown.
@@ -300,6 +279,10 @@ def bench(
     work = partial(with_threads, _run_case, options.sweep.measuring(options.workers))
     with experiment(options, FILES, work, list(map(_case, works)), progress, say) as (out, swept, described):
         rows = swept.rows(lambda result: result.get(ROWS, ()))
+        if unfit := [row_name(row) for row in rows if row["warp"] != measuring.ORACLE and row["lacks"]]:
+            names = ", ".join(dict.fromkeys(unfit))
+            about = f"client '{client.name}' ({client.summary}) cannot run {names}"
+            notes.append(f"Not in the front: {about}. --client names another.")
         first = next(result for _, result in swept.results())
         data = described(
             {
@@ -308,7 +291,6 @@ def bench(
                 "client": client.name,
                 "notes": [
                     *notes,
-                    *_left_out_notes(rows, client),
                     *(f"{failure.name}: failed: {failure.why}" for failure in swept.failed),
                 ],
                 "rows": rows,

@@ -11,7 +11,7 @@ import attrs
 
 from ...client import every_baseline, every_warp, fill_text, parse_fills, parse_warp
 from ...client.effects import effects
-from ...client.plan import CLIENT_MODEL, OTHERS, Plan, build_plan, needs_of
+from ...client.plan import CLIENT_MODEL, OTHERS, Plan, build_plan
 from ...client.strategies import has_own_link, options_of_strategy
 from ...client.warps import warps
 from ...errors import MachineError, PlanError, listed
@@ -26,16 +26,14 @@ from ...pipeline.sizes import build_plan_for, check_suited, guarded_size
 from ...poses import LoadedTrace, PoseTrack, load_trace
 from ...run.measuring import OUTSIDE, PLANLESS, Case, Combination, batches, instants_of, missing, outside_plan
 from ...run.options import RunOptions, refuse_one_name
-from ...run.run import ReplayRun, first_shown_s, schedule_for, schedule_of, set_up_replay
+from ...run.run import first_shown_s, schedule_for, schedule_of
 from ...scenes import CONVERGED, Scene
 from ...sources.sequences import open as open_sequence
 from ..sweep.options import RecordedOptions
 from .options import FILLS, BenchOptions
 
-# A complete fill costs about as much as `iterative`. So it brings no warp to the front that is less
-# accurate than that without holes (rotation, planar), and nearly the same pictures come out after
-# warps that leave the same holes. Where everything is compared complete fills run with these: of
-# the warps that read colour and depth those on the Pareto front of one of the recordings at 200 ms
+# Where everything is compared complete fills, which cost about as much as `iterative`, run with
+# these: of the warps that read colour and depth those on a Pareto front at 200 ms
 # (docs/results-warps.md), the thesis's, and the baselines that leave holes.
 WITH_COMPLETE_FILLS = ("forward", "iterative", "multi", "mesh:grid=64", "mesh:grid=512,ring=0.002")
 _INCOMPLETE = FILLS[:2]
@@ -237,10 +235,6 @@ class BenchCase:
         (one,) = batch
         of = {"strategy": one.strategy} if one.strategy else {"warp": one.warp, "fill": one.fill}
         return own_run(self.options, self.case, **of)
-
-    def set_up(self, batch: Sequence[Combination]) -> ReplayRun:
-        """Return the set-up of that run, with frames for all of the batch."""
-        return set_up_replay(self.run_of(batch), needs_of(c.plan for c in batch))
 
     def batched(self, most_bytes: float) -> list[list[Combination]]:
         """Return the combinations that fit in so many bytes together."""

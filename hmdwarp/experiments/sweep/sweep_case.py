@@ -7,7 +7,6 @@ import concurrent.futures
 import itertools
 import logging
 import os
-import platform
 import re
 import socket
 import threading
@@ -48,8 +47,6 @@ class Result:
     data: Any
     # Further files by name, such as pictures.
     files: Mapping[str, bytes] = attrs.field(factory=dict)
-    # Of the machine and process that ran it, for a person.
-    where: str = ""
 
 
 @attrs.frozen
@@ -81,28 +78,32 @@ class KeptCases:
 
     folder: Path
 
+    def read(self, identity: str) -> dict[str, Any]:
+        """Return what is kept of a case, nothing of one that was not run to its end."""
+        with suppress(InputError):
+            data = json_in(self._path(identity), RESULTS)
+            if isinstance(data, dict) and data.get("identity") == identity:
+                return data
+        return {}
+
     def state(self, identity: str) -> str:
         """Return DONE, FAILED, or "" for what was not run to its end."""
-        return str((self._read(identity) or {}).get("state", ""))
+        return str(self.read(identity).get("state", ""))
 
     def result(self, identity: str) -> Any:
         """Return the data of a case that is done. Errors: HmdwarpError if it is not."""
-        data = self._read(identity)
-        if data is None or data.get("state") != DONE:
+        data = self.read(identity)
+        if data.get("state") != DONE:
             raise HmdwarpError(f"{self._path(identity)}: no result of a case: run it again with --resume")
         return data["result"]
-
-    def failure(self, identity: str) -> Failure:
-        data = self._read(identity) or {}
-        return Failure(**{each.name: data[each.name] for each in attrs.fields(Failure) if each.name in data})
 
     def keep(self, identity: str, name: str, result: Result) -> None:
         """Write a result. Errors: InputError or MachineError for a place that cannot be written."""
         self._path(identity).unlink(missing_ok=True)  # its files are of one run
+        self.folder.mkdir(parents=True, exist_ok=True)
         for file, content in result.files.items():
-            self.folder.mkdir(parents=True, exist_ok=True)
             write_bytes(self.file(identity, file), content)
-        self._write(identity, {"state": DONE, "name": name, "where": result.where, "result": result.data})
+        self._write(identity, {"state": DONE, "name": name, "result": result.data})
 
     def keep_failure(self, identity: str, failure: Failure) -> None:
         """Write why a case failed. Errors: as keep."""
@@ -123,13 +124,6 @@ class KeptCases:
     def _write(self, identity: str, data: Mapping[str, Any]) -> None:
         self.folder.mkdir(parents=True, exist_ok=True)
         write_json(self._path(identity), {"identity": identity, **data})
-
-    def _read(self, identity: str) -> dict[str, Any] | None:
-        with suppress(InputError):
-            data = json_in(self._path(identity), RESULTS)
-            if isinstance(data, dict) and data.get("identity") == identity:
-                return data
-        return None
 
 
 @contextmanager
@@ -221,7 +215,7 @@ def _run_group(runner: Runner, cases: Sequence[SweepCase], step: Step) -> Iterat
     """Run cases of one group; yield each as it is done, those that failed with the reason."""
     for case in cases:
         try:
-            outcome: Result | Failure = attrs.evolve(runner(case, step), where=platform.node())
+            outcome: Result | Failure = runner(case, step)
         except Exception as error:
             outcome = Failure.of(case.name, error)
         yield case, outcome
@@ -438,7 +432,9 @@ def run_cases(
             kept.keep(case.identity, case.name, outcome)
     if not options.resume:
         kept.clear({case.identity for case in cases})
-    failed = tuple(kept.failure(case.identity) for case in cases if kept.state(case.identity) == FAILED)
+    names = [field.name for field in attrs.fields(Failure)]
+    wrong = [data for case in cases if (data := kept.read(case.identity)).get("state") == FAILED]
+    failed = tuple(Failure(**{name: data[name] for name in names if name in data}) for data in wrong)
     return Swept(kept, tuple(cases), failed, known)
 
 

@@ -20,8 +20,7 @@ from ..sweep import ExperimentResult, Result, SweepCase, Swept, experiment
 from . import experiment as thesis
 from .run_figures import FACTS, SPECK_PX, Looked, Thoroughness, beyond, look, stream
 
-COLUMNS = ("experiment", "source", "row", "column", "measured", "value", "unit", "holds", "rule", "verdict")
-PAGE, TABLE, DATA = FILES = ("thesis.html", "results.csv", "results.json")
+PAGE, DATA = FILES = ("thesis.html", "results.json")
 _PAGE_WIDTH = 560
 PICTURE, TRUTH, TIMELINE = "shown.jpg", "truth.jpg", "timeline.svg"
 # What the published ratings of a part and latency say: the study package's, handed in.
@@ -36,7 +35,7 @@ def run_thesis(
     progress: Progress = lambda done, total: None,
     say: Say = lambda text: None,
 ) -> ExperimentResult:
-    """Run the experiments and write the page, results.json and results.csv into options.out.
+    """Run the experiments and write the page and results.json into options.out.
 
     Each run is a case. ratings: what the published ratings say; a function of a module, as it
     crosses to other machines by pickle. progress(done, total): in runs. say: gets a sentence.
@@ -69,7 +68,6 @@ def run_thesis(
             }
         )
         out.write_text(PAGE, render_thesis_page(data, _pictures(chosen, swept)))
-        out.write_csv(TABLE, csv_rows(judged), COLUMNS)
         out.write_json(DATA, data)
     return ExperimentResult(options.out, data, options.out / PAGE, swept)
 
@@ -178,7 +176,7 @@ def judge(experiment: thesis.Experiment, figures: Mapping[thesis.Run, thesis.Fig
     ends = dict.fromkeys(plain(value, experiment.digits) for value in (*values[:1], *values[-1:]))
     return {
         **{name: getattr(experiment, name) for name in same},
-        "rule": experiment.rule_words(),
+        "rule": f"{experiment.measured}: {experiment.rule.words(experiment.unit, experiment.scale)}",
         "ours": f"{' to '.join(ends)} {experiment.unit}".strip() if values else "",
         "verdict": thesis.verdict_of(findings).value,
         "holds_at": thesis.share_text(findings, True),
@@ -187,17 +185,6 @@ def judge(experiment: thesis.Experiment, figures: Mapping[thesis.Run, thesis.Fig
         "note": experiment.note,
         "cells": [attrs.asdict(finding) for finding in findings],
     }
-
-
-def csv_rows(judged: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Yield the rows of results.csv, one for each cell of what `judge` returned."""
-    for each in judged:
-        for cell in each["cells"]:
-            value = None if cell["value"] is None else cell["value"] * each["scale"]
-            holds = {None: None, True: "yes", False: "no"}[cell["holds"]]
-            named = {name: each[name] for name in ("source", "measured", "unit", "rule", "verdict")}
-            place = {"experiment": each["name"], "row": cell["row"], "column": cell["column"]}
-            yield {**named, **place, "value": value, "holds": holds}
 
 
 def _pictures(chosen: Sequence[thesis.Experiment], swept: Swept) -> dict[str, list[tuple[str, str]]]:
@@ -220,10 +207,10 @@ def _pictures(chosen: Sequence[thesis.Experiment], swept: Swept) -> dict[str, li
         pictures = [run for run in known if isinstance(run, thesis.PictureRun)]
         truths = {(run.scene, run.motion): run for run in pictures}.values()
         found[each.name] = [
-            *((run.caption, uri(run, PICTURE)) for run in pictures),
+            *((str(run), uri(run, PICTURE)) for run in pictures),
             *((f"what should be seen: {run.motion}", uri(run, TRUTH)) for run in truths),
             *(
-                (run.caption, file(run, TIMELINE).read_text("utf-8"))
+                (f"way of the last frames: {run}", file(run, TIMELINE).read_text("utf-8"))
                 for run in known
                 if isinstance(run, thesis.StreamRun)
             ),

@@ -95,8 +95,8 @@ def test_means_are_over_all_cases_of_a_method_and_on_the_page():
     assert (oracle["warp"], best["warp"], other["warp"]) == ("oracle", "iterative", "rotation")
     assert best["flip"]["mean"] == pytest.approx(0.1 / 3) and (best["heads"], best["scenes"]) == (3, 3)
     assert best["psnr_db"]["interval"][0] < 30.4 < best["psnr_db"]["interval"][1]
-    # Three of 18 pictures are bad, so 95 % of them reach the bad ones; a draw may lack head a.
-    assert best["flip"]["p95"] == 0.2 and best["flip"]["p95_interval"] == [0, 0.2]
+    # Three of 18 pictures are bad, so 95 % of them reach the bad ones.
+    assert best["flip"]["p95"] == 0.2
     assert best["psnr_db"]["p95"] == 29 and best["where_seen_db"]["mean"] == 33
     assert (best["rank"], other["rank"]) == ({"best": 1, "interval": [1, 1]}, {"best": 0, "interval": [2, 2]})
     assert oracle["rank"] is None and oracle["behind"]["mean"] == pytest.approx(-0.01)
