@@ -100,8 +100,7 @@ def _named_by(path: Path, size: int, mtime_ns: int) -> list[str]:
 def hash_of_files(place: str | Path) -> str:
     """Return a hash of the names and contents of files_at(place)."""
     path = Path(place)
-    base = path if path.is_dir() else path.parent
-    return _hash_of_files(tuple(map(_state, files_at(path))), base)
+    return _hash_of_files(tuple(map(_state, files_at(path))), path if path.is_dir() else path.parent)
 
 
 @functools.lru_cache(maxsize=256)

@@ -179,7 +179,7 @@ class Watchdog:
             os.write(2, f"{' '.join(line.split())}\n".encode(errors="replace"))
             sys.stdout.flush()  # os._exit does not flush
 
-        words = [(lambda say=say: saved.append(say()), LAST_WORDS_S) for say in self._last_words]  # type: ignore[misc]
+        words = [(lambda say=say: saved.append(say()), LAST_WORDS_S) for say in self._last_words]
         for do, limit_s in (*words, (tell, _PRINTING_S)):
             with suppress(BaseException):  # it may fail, or hang itself
                 ThreadPoolExecutor(1).submit(do).result(limit_s)

@@ -29,7 +29,6 @@ from .run import ReplayRun, set_up_replay
 from .run_summary import OWNED, Judge, ReplayLog, ReplayResult, Row, result_of, write_results
 
 _WORST_FRAMES = 6
-# which: 0 for the run itself, then those that it is compared with.
 
 Progress = Callable[[int, int], None]
 

@@ -160,8 +160,8 @@ class ReplayLog:
 
     def add(self, refresh: Refresh) -> None:
         # By central differences over 10 ms.
-        ends = [self._track.at(refresh.shown_ns + step_ns).pose for step_ns in (-_HALF_NS, _HALF_NS)]
-        row = row_of(len(self.seen), refresh, self._track.start_ns, _speeds(*ends, 2 * _HALF_NS * 1e-9))
+        before, after = (self._track.at(refresh.shown_ns + step_ns).pose for step_ns in (-_HALF_NS, _HALF_NS))
+        row = row_of(len(self.seen), refresh, self._track.start_ns, _speeds(before, after, 2 * _HALF_NS * 1e-9))
         self.seen.append((refresh.shown_ns, refresh.frame.shows_ns, refresh.head.pose))
         self.responses.append(refresh.response)
         self.timeline.add(refresh)

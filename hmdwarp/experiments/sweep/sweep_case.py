@@ -201,7 +201,7 @@ Work = Callable[[], AbstractContextManager[Runner]]
 
 
 def sharing_nothing(run: Runner) -> Work:
-    return partial(nullcontext, run)
+    return partial(nullcontext, run)  # type: ignore[return-value]
 
 
 @contextmanager
