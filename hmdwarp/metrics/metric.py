@@ -30,6 +30,10 @@ class Input(enum.Flag):
     ALIKE = enum.auto()  # what a PairPass has found
 
 
+def _covered(coverage: Any) -> Any:
+    return None if coverage is None else np.asarray(coverage) != 0
+
+
 @attrs.frozen(eq=False)
 class QualityJob:
     """One eye of one frame to measure. Inputs that are None leave out the metrics that need them.
@@ -40,9 +44,7 @@ class QualityJob:
     now: Compared  # after the fill, before the lens
     previous: Compared | None = None  # the neighbouring frame of the same eye, from which a PairPass finds flicker
     # (h, w), coverage after the warp and before the fill; anything but 0 is covered.
-    covered: NDArray[np.bool_] | None = attrs.field(
-        default=None, converter=attrs.converters.optional(lambda coverage: np.asarray(coverage) != 0)
-    )
+    covered: NDArray[np.bool_] | None = attrs.field(default=None, converter=_covered)
     truth_inverse_depth: NDArray[Any] | None = None  # (h, w), 1/m in the shown view, top row first
     rendered: View | None = None  # view and (w, h) of the late frame
     rendered_size: tuple[int, int] | None = None

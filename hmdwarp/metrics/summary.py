@@ -189,4 +189,5 @@ def pareto(rows: Iterable[Thing], costs: Callable[[Thing], Costs] = error_and_ti
         raise HmdwarpError(
             "a cost is not a number: expected an error and a time that were measured, or None for what was not"
         )
-    return [row for row, pair in found if not ((known <= pair).all(axis=1) & (known < pair).any(axis=1)).any()]
+    beaten = (known[None] <= known[:, None]).all(axis=2) & (known[None] < known[:, None]).any(axis=2)
+    return [row for (row, _), by in zip(found, beaten, strict=True) if not by.any()]

@@ -200,12 +200,8 @@ def option_of(field: attrs.Attribute[Any]) -> Option:
 
 def as_keys(text: str, known: Collection[str]) -> str:
     """Return a message that names options as keys of a file; known: those that it may set."""
-
-    def key(match: re.Match[str]) -> str:
-        name = match[1].replace("-", "_")
-        return name if name in known else match[0]
-
-    return re.sub(r"--([a-z][a-z-]*)", key, text)
+    flags = {name.replace("_", "-"): name for name in known}
+    return re.sub(r"--([a-z][a-z-]*)", lambda found: flags.get(found[1], found[0]), text)
 
 
 def same_as(field: attrs.Attribute[Any], default: Any = None, **about: Any) -> Any:

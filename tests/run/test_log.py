@@ -17,12 +17,10 @@ from replays import contents, rows_of
 from hmdwarp.display import Command, Lost, Tick
 from hmdwarp.errors import MachineError
 from hmdwarp.gpu import Canvas, download, upload
-from hmdwarp.poses import quaternions
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
 from hmdwarp.run import HoleCounter, LiveLog, LiveOptions
 from hmdwarp.run import live_log as log
 from hmdwarp.run.live_log import Thinned
-from hmdwarp.run.run_summary import angle_between
 
 from .offscreen import PERIOD_NS, READ_NS, SUBMITTED_NS, OffscreenDisplay, closed_at, run_on
 
@@ -285,21 +283,6 @@ def test_kept_rows_are_evenly_spaced(count, half):
     assert kept.tolist() == list(range(0, count, table.every))
     assert table.column("square").tolist() == [number * number for number in kept]
     assert len(kept) <= most and (table.every == 1 or len(kept) > half) and (table.every & (table.every - 1)) == 0
-
-
-def test_unmeasured_rows_are_left_out():
-    table = Thinned(("a", "b"))
-    for row in ({"a": 1, "b": None}, {}, {"a": 2, "b": 3}):
-        table.add(row)
-    assert table.measured("a", "b").tolist() == [1, 2, 3] and np.isnan(table.column("b")[:2]).all()
-
-
-@given(st.lists(st.floats(-1, 1), min_size=8, max_size=8))
-def test_the_angle_in_plain_floats_is_that_of_the_arrays(values):
-    a, b = np.array(values[:4]) + (0, 0, 0, 1.5), np.array(values[4:]) + (0, 0, 0, 1.5)
-    a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
-    # 4 atan2 of lengths that are off by a unit in the last place each: 1e-15 of an angle up to pi
-    assert abs(angle_between(a.tolist(), (-b).tolist()) - quaternions.angle_between(a, b)) < 1e-14
 
 
 @pytest.fixture

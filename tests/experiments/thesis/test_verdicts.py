@@ -15,17 +15,14 @@ from hmdwarp.experiments.thesis.experiment import (
     PictureRun,
     Rule,
     Verdict,
-    experiments,
     experiments_named,
     number_of,
     settings_text,
-    share_text,
     verdict_of,
 )  # fmt: skip
 from hmdwarp.experiments.thesis.run_figures import Thoroughness, beyond
 from hmdwarp.experiments.thesis.thesis_run import cases_of, figures_by_run, judge
 
-NUMBERS = st.floats(-1e6, 1e6)
 HOLDS = st.sampled_from([True, False, None])
 
 
@@ -43,14 +40,6 @@ def test_the_verdict_follows_from_what_was_measured(holds):
     assert verdict_of(findings(holds)) is expected
     assert verdict_of(findings(holds[::-1])) is expected
     assert verdict_of(findings([*holds, None])) is expected
-
-
-@given(NUMBERS, NUMBERS, NUMBERS)
-def test_limits_belong_to_what_they_limit(value, one, other):
-    low, high = sorted((one, other))
-    assert Rule(high=high).holds(high) and Rule(low=low).holds(low)
-    assert Rule(low, high).holds(value) == (Rule(low=low).holds(value) and Rule(high=high).holds(value))
-    assert Rule(high=one).holds(value) or Rule(low=one).holds(value)
 
 
 def test_rules_are_said_in_the_unit_of_the_number_and_judge_only_what_was_measured():
@@ -108,14 +97,6 @@ def test_numbers_are_those_of_the_figures(text, runs, expected):
     assert number_of(text, runs) == (None if expected is None else pytest.approx(expected))
 
 
-@given(st.lists(HOLDS))
-def test_a_share_counts_the_judged_settings(holds):
-    for so in (True, False):
-        count, judged = holds.count(so), len(holds) - holds.count(None)
-        text = share_text(findings(holds), so)
-        assert text.startswith(f"{count} of {judged} settings: row") if count else text == ""
-
-
 def judged(name: str, *numbers: dict[str, float | None]) -> dict:
     """What an experiment says whose every cell has runs with these figures, first to last."""
     (experiment,) = experiments_named([name])
@@ -170,23 +151,6 @@ def test_a_time_on_a_gpu_is_what_it_takes_beyond_the_least_picture():
     assert beyond(figures, {"warp_ms": 1.0, "fill_ms": 0.6, "psnr_db": 20.0, "effects_ms": None}) == {
         "warp_ms": 2.0, "fill_ms": None, "copy_ms": None, "psnr_db": 30.0, "effects_ms": 2.0,
     }  # fmt: skip
-
-
-def test_the_flicker_is_that_over_interpolation_alone_and_the_wlans_load_cannot_be_told():
-    (flickers, load) = experiments_named(["composite-flickers", "fig10-load"])
-    fills = {tuple(run.fill for run in cell.runs) for cell in flickers.cells}
-    assert fills == {("interpolate", "interpolate+composite")}
-    assert not load.runs() and {judge(each, {})["verdict"] for each in experiments()} == {"cannot be told"}
-
-
-def test_rates_and_pictures_are_judged_against_what_the_thesis_computes():
-    (frames,) = experiments_named(["frames-lost"])
-    figures = {run: {"never_shown_share": 1 - 60 / run.server_hz} for cell in frames.cells for run in cell.runs}
-    assert [cell["value"] for cell in judge(frames, figures)["cells"]] == pytest.approx([1.0, 1.0], rel=1e-4)
-    (pictures,) = experiments_named(["pictures-bandwidth"])
-    counted = [(k, run) for k, cell in zip((2, 3), pictures.cells, strict=True) for run in cell.runs]
-    figures = {run: {"mbit_s": 7.0 * (k if run.warp != "forward" else 1)} for k, run in counted}
-    assert [cell["value"] for cell in judge(pictures, figures)["cells"]] == pytest.approx([1.0, 1.0])
 
 
 def test_the_later_the_worse_from_each_latency_to_the_next():
