@@ -189,5 +189,6 @@ def pareto(rows: Iterable[Thing], costs: Callable[[Thing], Costs] = error_and_ti
         raise HmdwarpError(
             "a cost is not a number: expected an error and a time that were measured, or None for what was not"
         )
-    beaten = (known[None] <= known[:, None]).all(axis=2) & (known[None] < known[:, None]).any(axis=2)
-    return [row for (row, _), by in zip(found, beaten, strict=True) if not by.any()]
+    others = known[None], known[:, None]
+    beaten = np.any(np.all(np.less_equal(*others), axis=2) & np.any(np.less(*others), axis=2), axis=1)
+    return [row for (row, _), is_beaten in zip(found, beaten.tolist(), strict=True) if not is_beaten]

@@ -109,7 +109,7 @@ def _hash_of_files(files: tuple[tuple[Path, int, int], ...], base: Path) -> str:
     for path, _, _ in files:
         found.update(path.relative_to(base).as_posix().encode(errors="surrogatepass") + b"\0")
         with opened(path, BAG) as stream:
-            found.update(hashlib.file_digest(stream, "sha256").digest())
+            found.update(hashlib.file_digest(stream, "sha256").digest())  # type: ignore[arg-type]
     return found.hexdigest()
 
 

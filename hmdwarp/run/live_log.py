@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import attrs
 import moderngl
@@ -27,6 +27,7 @@ from ..report import FRAME_COLUMNS, OutputFolder, live_lines, render_live_report
 from ..scenes import InputEvent
 from .options import LiveOptions
 from .recorder import Lines
+from .run import Run
 from .run_summary import (
     OWNED,
     STAGE_COLUMNS,
@@ -39,9 +40,6 @@ from .run_summary import (
     stage_columns,
     summary_of,
 )
-
-if TYPE_CHECKING:
-    from .live_run import PipelineHost
 
 Array = NDArray[np.float64]
 _MOST_EYES = 2
@@ -152,6 +150,15 @@ class LiveResult:
         return live_lines(self.summary, self.folder)
 
 
+class Host(Protocol):
+    """What has the run that is shown, and its options as they are now."""
+
+    run: Run[LiveOptions]
+    options: LiveOptions
+
+    def values(self) -> dict[str, object]: ...
+
+
 class LiveLog:
     """Log of a live run. Use as a context manager: it writes the results on exit.
 
@@ -188,7 +195,7 @@ class LiveLog:
         # Missed ones since the last picture, and the most in a row.
         self._stale = self._longest_stale = 0
         # None until the display is open, as are the attributes that `begin` adds.
-        self._host: PipelineHost | None = None
+        self._host: Host | None = None
         # What chose warps last, and how many of its switches are logged.
         self._auto: AdaptiveCompensator | None = None
         self._auto_changes = 0
@@ -203,7 +210,7 @@ class LiveLog:
         self._written = False
         self._finishing, self._finished = threading.Lock(), False
 
-    def begin(self, display: Display, host: PipelineHost) -> None:
+    def begin(self, display: Display, host: Host) -> None:
         self.options = options = attrs.evolve(self.options, latency_ms=host.options.latency_ms)
         run = host.run
         headset = display.headset.name if display.headset is not None else display.about.get("headset") or display.name
@@ -226,7 +233,7 @@ class LiveLog:
         last_s = (self._last.shown_ns - self._first_ns) * 1e-9 if self._last is not None else 0.0
         return {"time_s": last_s, "frame": self.count - 1}
 
-    def changed(self, host: PipelineHost) -> None:
+    def changed(self, host: Host) -> None:
         if self._host is not None:
             before, self._values = self._values, host.values()
             self._changed(before, self._values, "manual")

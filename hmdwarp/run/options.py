@@ -169,7 +169,6 @@ class LiveOptions(PipelineOptions):
     )
     full_screen: bool = _of_display(False, "Open the window over the full screen.")
     vsync: bool = _of_display(True, "Wait for the screen's refresh.", off="--no-vsync")
-    # Needs its optional package.
     panel: bool = option(
         True, "Show controls and plots (pip install '.[panel]').", off="--no-panel", study="a study shows no controls"
     )
@@ -246,7 +245,6 @@ class RecordOptions(Declared):
         "Head to record: openxr (a headset), desktop (a window) or synthetic (see --kind).",
         valid=one_of(OPENXR, DESKTOP, SYNTHETIC),
     )
-    # None until Ctrl-C; for a made-up head, the length of its kind.
     seconds: float | None = option(
         None, "Stop after this long; by default at Ctrl-C.", unit="s", valid=Number(above=True)
     )
