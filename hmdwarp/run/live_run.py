@@ -799,7 +799,7 @@ def open_display(
 ) -> Display:
     """Return the display that the options name; for "auto" a headset if one answers, else a window.
 
-    say: called with the reason for the window, in a clause. controls: offered to the user.
+    say: called with the reason for the window. controls: offered to the user.
     Errors: MachineError that names what is missing and what to do.
     """
     trace, fitted = source.head(load_trace(options.trace) if options.trace else None), source.fitted(options)
@@ -829,7 +829,7 @@ def open_display(
         raise MachineError(
             f"neither headset nor window: {why}; and {error}; or show it nowhere: --source offscreen"
         ) from error
-    say(f"a window, as there is no headset: {re.split('[:;] ', why, maxsplit=1)[0]} (hmdwarp doctor tells more)")
+    say(f"a window, as there is no headset: {why}")
     return display
 
 
