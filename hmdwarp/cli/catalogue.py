@@ -35,7 +35,7 @@ class Kind:
         if isinstance(self.entries, str):
             module, _, name = self.entries.partition(":")
             registry: Registry[Any] = getattr(_of(module), name)
-            return registry.describe(self.more)
+            return describe(registry, registry.columns, self.more)
         return describe(self.entries(), more=self.more)
 
 

@@ -63,7 +63,7 @@ def choose(said: Said) -> None:
     if said["warp"] not in (None, AUTO):
         raise InputError(f"choose --warp {said['warp']}: it names the warp; leave --warp out")
     said["warp"] = AUTO
-    if said["guard"] is None and said["rendered_size"] is None:
+    if said["guard"] is None:
         said["guard"] = AUTO
     options = RunOptions.of(said)
     choice = _choose(options, said["quiet"])
