@@ -44,7 +44,7 @@ def test_1_midnight_is_no_new_recording(tmp_path):
 
     loaded = load_trace(write(tmp_path / "night.csv", rows(TRACK, stamp=clock)))
     assert len(loaded.segments) == 1
-    assert found(loaded, "midnight").count == 1
+    assert found(loaded, "clock-changes").count == 1
     assert np.array_equal(loaded.track.time_ns, TRACK.time_ns // 1_000_000 * 1_000_000)
     assert loaded.time_unit == "hours:minutes:seconds"
 
@@ -64,7 +64,7 @@ def test_4_ticks_that_differ_below_float64_stay_apart(tmp_path):
     assert float(base) == float(base + 30)
     table = [[str(base + 30 * i), *r[1:]] for i, r in enumerate(TABLE)]
     loaded = load_trace(write(tmp_path / "t.csv", table, "timestamp,x,y,z,qx,qy,qz,qw"))
-    assert loaded.format == "ticks"
+    assert "ticks of 100 ns" in found(loaded, "unit-guessed").done
     assert loaded.track.time_ns.tolist() == [3000 * i for i in range(200)]
 
 
@@ -84,10 +84,10 @@ def test_9_repeated_poses_are_kept_for_replay_and_left_out_of_speeds(tmp_path):
     assert defect.count == 200 - 34
     assert "83 %" in defect.what
     repeated, clean = analyse(loaded.track), analyse(TRACK)
-    assert repeated.repeated_share == pytest.approx(0.83)
+    assert repeated["repeated_share"] == pytest.approx(0.83)
     # Steps of 100 ms flatten this motion's speed by a few per cent; differentiating the steps would
     # give a median of 0.
-    assert repeated.angular_speed_deg_s[0] == pytest.approx(clean.angular_speed_deg_s[0], rel=0.1)
+    assert repeated["angular_speed_deg_s"]["p50"] == pytest.approx(clean["angular_speed_deg_s"]["p50"], rel=0.1)
 
 
 def scaled(length: float, at: int = 60):
@@ -100,7 +100,7 @@ def test_12_steps_of_30_us_do_no_harm(tmp_path):
     extra = [repr(float(TABLE[40][0]) + 30e-6), *TABLE[41][1:]]
     loaded = load_trace(write(tmp_path / "s.csv", [*TABLE[:41], extra, *TABLE[41:]]))
     assert "short-step" in kinds(loaded)
-    assert max(analyse(loaded.track).angular_speed_deg_s) < 300  # over one such step it would be 60,000
+    assert max(analyse(loaded.track)["angular_speed_deg_s"].values()) < 300  # over one such step it would be 60,000
 
 
 def test_12_gaps_are_reported_and_never_crossed(tmp_path):
@@ -277,9 +277,7 @@ def test_15_what_is_no_trace_is_refused_in_one_line(tmp_path, content, word):
 
 
 def test_15_a_directory_a_missing_file_and_a_device(tmp_path):
-    write(tmp_path / "inside.csv", TABLE)
     assert "is a directory" in refusal(tmp_path)
-    assert "inside.csv" in refusal(tmp_path)
     assert "no such file" in refusal(tmp_path / "missing.csv")
     assert "recording is called 'walk'" in refusal(tmp_path / "walk.csv")
     os.mkfifo(tmp_path / "pipe.csv")
@@ -433,6 +431,7 @@ def test_a_clock_is_read_as_its_writer_meant(tmp_path_factory, writer, data):
     begins_ns = data.draw(st.integers(10**4, 2 * 10**4), "begins") * 10**14 + data.draw(st.integers(0, 9 * 10**13))
     if writer.startswith("%m"):  # up to the 12th such a date may as well begin with its day
         assume(datetime.datetime.fromtimestamp(begins_ns // BILLION, datetime.UTC).day > 12)
+    assume(begins_ns % (86_400 * BILLION) < 86_390 * BILLION)  # midnight is a change of some clocks
     track, count = head(4 * rate, rate), 4 * rate
     lost = set() if said == CHANGES else data.draw(st.sets(st.integers(2, count - 3), max_size=5), "lost")
     kept, table = [i for i in range(count) if i not in lost], rows(track)
@@ -455,31 +454,19 @@ def test_a_coarse_clock_is_told_and_evened_out(tmp_path, tick_ns, rate, up_ns):
     table = [[f"{int(k) * tick_ns // 10**6 / 1000:.3f}", *r[1:]] for k, r in zip(ticks, rows(track), strict=True)]
     loaded = load_trace(write(tmp_path / "coarse.csv", table, f"time_s,{POSE}"))
     told = found(loaded, "clock-coarse").what
-    assert abs(float(told.split("ticks of ")[1].split()[0]) - tick_ns / 1e6) < 0.1 and " degrees" in told
+    assert abs(float(told.split("ticks of ")[1].split()[0]) - tick_ns / 1e6) < 0.1
     # A row's step at either end of a tick, over the ticks of the whole, and half a printed ms.
     near_ns = BILLION / rate + 0.02 * tick_ns
     assert np.abs(loaded.track.time_ns - track.time_ns).max() < near_ns
     assert abs(loaded.track.epoch_ns - int(up_ns * tick_ns)) < near_ns  # a tick is taken for its beginning
 
 
-def test_a_coarse_clock_that_no_even_rows_fit_is_told_with_what_it_costs(tmp_path):
-    """A head at 61 degrees a second, half a tick off."""
-    turning = TRACK_CLOCKS.evolve(orientation_xyzw=[(0, np.sin(i / 180), 0, np.cos(i / 180)) for i in range(360)])
-    late = np.cumsum(np.where(np.arange(360) % 90 == 40, 3, 1)) - 1  # a pause of two rows each second
-    table = [[f"{k / 90 // 0.02 * 0.02:.2f}", *r[1:]] for k, r in zip(late.tolist(), rows(turning), strict=True)]
-    loaded = load_trace(write(tmp_path / "uneven.csv", table, f"time_s,{POSE}"))
-    told = found(loaded, "clock-coarse")
-    assert "ticks of 20 ms" in told.what and told.done.startswith("kept")
-    # 90 rows a second turn by 1/90 each: half a tick is 0.01 s.
-    assert float(told.what.split("by ")[1].split()[0]) == pytest.approx(np.degrees(0.01), rel=0.1)
-
-
-@pytest.mark.parametrize("stated", [{}, {"time_unit": "frames"}])
+@pytest.mark.parametrize("stated", [{}, {"time_column": "1"}])
 @pytest.mark.parametrize("name", ["frame", "Frame Number", "frame_id", "seq"])
 def test_frame_numbers_are_a_clock(tmp_path, name, stated):
     table = [[str(1200 + i), *r[1:]] for i, r in enumerate(TABLE_CLOCKS) if not 100 < i < 160]
     path = write(tmp_path / "frames.csv", table, f"{name},{POSE}")
-    assert "--trace-rate" in refusal(path, **stated)
+    assert "--trace-rate" in refusal(path) and "numbers no frames" in refusal(path, time_column="x", rate=90)
     track = load_trace(path, TraceOptions(rate=90, **stated)).track
     kept = np.r_[:101, 160:360]
     assert (

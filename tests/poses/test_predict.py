@@ -254,8 +254,8 @@ def test_it_leads_less_than_constant_velocity(name):
     track = load_trace(name).track.without_repeats()
     now = np.arange(track.start_ns + 500 * MS, track.end_ns - 100 * MS, 5 * MS)
     for ahead_ns in (50 * MS, 100 * MS):
-        errors, found = error_row(track, ahead_ns // MS).errors, {}
-        assert errors["cautious"].percentiles[1] <= 1.05 * errors["constant_velocity"].percentiles[1]
+        errors, found = error_row(track, ahead_ns // MS), {}
+        assert errors["cautious"]["p95"] <= 1.05 * errors["constant_velocity"]["p95"]
         for method in ("constant_velocity", "cautious"):
             predicted = predictors.get(method).predict_many(track, now, ahead_ns).orientation_xyzw
             found[method] = leads(track, now, ahead_ns, predicted)

@@ -48,7 +48,7 @@ def test_every_kind_is_shipped_and_described():
             f"hmdwarp trace synth {kind.name} {how} --seconds {kind.seconds:g} --rate 90 --out {kind.name}.csv" in text
         )
         figures = analyse(load_trace(kind.name).track, latencies_ms=())
-        turning = " / ".join(f"{v:.1f}" for v in figures.angular_speed_deg_s[:3])
+        turning = " / ".join(f"{v:.1f}" for v in [*figures["angular_speed_deg_s"].values()][:3])
         assert f"| {turning} |" in text
     assert set(MOTIONS.replace(" or ", ", ").split(", ")) == set(KINDS)
 
