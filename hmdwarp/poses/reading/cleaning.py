@@ -85,9 +85,22 @@ def _which_rows(r: Recording) -> None:
         late = not len(r.stamps) or r.stamps[-2:].steps()[0] > 0
         if off[1] > _COARSE_NORM >= off[0] or not late:
             r.found("last-row-cut", [-1], f"quaternion of length {length[1]:.2f}" if late else "time falls")
-    stated = r.options.device
-    if r.device is not None:
-        _take_device(r, r.device, stated)
+    stated, device, r.device = r.options.device, r.device, None
+    if device is not None:  # the head's rows, or the first eye's, where rows of several devices are mixed
+        names, first, counts = np.unique(device, return_index=True, return_counts=True)
+        texts = [n.decode("latin-1") for n in names]
+        if stated is not None and stated not in texts:
+            raise TraceError(f"{r.where}: no rows of device '{stated}': there are those of {', '.join(texts[:8])}")
+        tracked = np.abs(r.orientation).max(axis=1) > _ZERO_NORM
+        lost = [not tracked[device == name].any() for name in names]
+        order = [float(t) for t in texts] if all(map(are_digits, texts)) else first.tolist()
+        best = min(range(len(texts)), key=lambda i: (lost[i], head_rank(texts[i]), order[i]))
+        taken = best if stated is None else texts.index(stated)
+        others, r.taken = np.flatnonzero(device != names[taken]), texts[taken]
+        if r.head.made is not None and r.taken in r.head.made.nested:
+            r.defects.append(r.head.made.nested[r.taken])
+        several = len(names), ", ".join(texts[:6])
+        r.found("devices-interleaved", others, *several, counts[taken], r.taken, len(others))
     elif stated is not None:
         raise TraceError(f"{r.where} has no column that names devices: leave --device out")
     zero = np.flatnonzero(np.abs(r.orientation).max(axis=1) < _ZERO_NORM)
@@ -102,25 +115,6 @@ def _need_two_rows(r: Recording) -> None:
     if len(r) < 2:
         known = "; ".join(map(str, r.defects[:3])) or "no defects"
         raise TraceError(f"{r.where} holds {len(r)} usable row: expected two or more ({known})")
-
-
-def _take_device(r: Recording, device: NDArray[np.bytes_], stated: str | None) -> None:
-    """Keep the head's rows, or the first eye's, where rows of several devices are mixed."""
-    names, first, counts = np.unique(device, return_index=True, return_counts=True)
-    texts = [n.decode("latin-1") for n in names]
-    if stated is not None and stated not in texts:
-        raise TraceError(f"{r.where}: no rows of device '{stated}': there are those of {', '.join(texts[:8])}")
-    tracked = np.abs(r.orientation).max(axis=1) > _ZERO_NORM
-    lost = [not tracked[device == name].any() for name in names]
-    order = [float(t) for t in texts] if all(map(are_digits, texts)) else first.tolist()
-    best = min(range(len(texts)), key=lambda i: (lost[i], head_rank(texts[i]), order[i]))
-    taken = best if stated is None else texts.index(stated)
-    others, r.taken, r.device = np.flatnonzero(device != names[taken]), texts[taken], None
-    if r.head.made is not None and r.taken in r.head.made.nested:
-        r.defects.append(r.head.made.nested[r.taken])
-    if len(names) > 1:
-        several = len(names), ", ".join(texts[:6])
-        r.found("devices-interleaved", others, *several, counts[taken], r.taken, len(others))
 
 
 # Shares of steps back in time: a file with restarts has few, a shuffled one half.
@@ -184,9 +178,20 @@ def _when(r: Recording) -> None:
     r.time_ns = (stamps.whole - first) * scale + stamps.billionths // size - part  # floored, which keeps their order
     r.time_unit = r.time_unit or ("hours:minutes:seconds" if stamps.clock else UNIT_NAMES[r.unit])
     r.stamps = Stamps(np.zeros(0, np.int64), np.zeros(0, np.int64))
-    if rate is None:
-        _coarse_clock(r)
-        _judge_rate(r)
+    if rate is not None:
+        return
+    _coarse_clock(r)
+    if len(rises := (steps := np.diff(r.time_ns))[steps > 0]):
+        rate_hz, read = BILLION / float(np.median(rises)), f"its clock, read as {UNIT_NAMES[r.unit]}, makes"
+        others = {u: rate_hz * UNITS_NS[r.unit] / UNITS_NS[u] for u in UNITS_NS}
+        fits = [u for u, hz in others.items() if _RATES_HZ[0] <= hz <= _RATES_HZ[1]]
+        best = min(fits, key=lambda u: abs(np.log(others[u] / _USUAL_HZ)), default="")
+        remedy = f"--time-unit {best} makes {others.get(best, 0):.4g} Hz"
+        remedy = remedy if best else "--trace-rate gives the samples per second instead"
+        if not _IMPOSSIBLE_HZ[0] <= rate_hz <= _IMPOSSIBLE_HZ[1] and len(steps) > 1:
+            raise TraceError(f"{r.where}: {read} {rate_hz:.4g} Hz, which no recording has: {remedy}")
+        if not _RATES_HZ[0] <= rate_hz <= _RATES_HZ[1] and len(steps) > 1:
+            r.found("rate-implausible", None, UNIT_NAMES[r.unit], rate_hz, remedy)
 
 
 def _count_fractions(r: Recording) -> None:
@@ -363,24 +368,6 @@ def _evenly(time_ns: NDArray[np.int64], tick: float) -> NDArray[np.int64] | None
             return None
         out[run] = time_ns[run[0]] + np.rint(line).astype(np.int64)
     return out if (np.diff(out) > 0).all() else None
-
-
-def _judge_rate(r: Recording) -> None:
-    """Note a rate of no tracker. Errors: TraceError for one that no recording can have."""
-    steps = np.diff(r.time_ns)
-    if len(steps) < 2 or not (steps > 0).any():
-        return
-    rate_hz = BILLION / float(np.median(steps[steps > 0]))
-    others = {u: rate_hz * UNITS_NS[r.unit] / UNITS_NS[u] for u in UNITS_NS}
-    fits = [u for u, hz in others.items() if _RATES_HZ[0] <= hz <= _RATES_HZ[1]]
-    best = min(fits, key=lambda u: abs(np.log(others[u] / _USUAL_HZ)), default="")
-    remedy = f"--time-unit {best} makes {others.get(best, 0):.4g} Hz"
-    remedy = remedy if best else "--trace-rate gives the samples per second instead"
-    if not _IMPOSSIBLE_HZ[0] <= rate_hz <= _IMPOSSIBLE_HZ[1]:
-        what = f"its clock, read as {UNIT_NAMES[r.unit]}, makes {rate_hz:.4g} Hz"
-        raise TraceError(f"{r.where}: {what}, which no recording has: {remedy}")
-    if not _RATES_HZ[0] <= rate_hz <= _RATES_HZ[1]:
-        r.found("rate-implausible", None, UNIT_NAMES[r.unit], rate_hz, remedy)
 
 
 # Glasses write each pose twice, 0.1 ms apart at 30 to 1000 Hz: so much nearer, by share of steps.

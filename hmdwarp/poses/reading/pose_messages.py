@@ -172,20 +172,31 @@ def table_of_bag(path: Path) -> Made:
     bag, defects = Bag(path), list[Defect]()
     rows, children, frames = [], dict[str, str](), dict[str, str]()  # frame -> the one it is in; topic -> frame
     held = {topic: name for topic, name in bag.topics.items() if name not in (*_POSES, *_LISTS)}
+
+    def parts_of(kind: str, message: Any) -> Iterator[tuple[str, str, int, list[str]]]:
+        """Yield parent, child, stamp in ns and numbers of each pose."""
+        if kind in _LISTS:
+            for one in message.transforms:
+                yield from parts_of("geometry_msgs/TransformStamped", one)
+            return
+        position, orientation = (operator.attrgetter(place)(message) for place in _POSES[kind])
+        numbers = map(float, (*_XYZ(position), *_XYZW(orientation)))
+        child, head = str(getattr(message, "child_frame_id", "")), message.header
+        yield str(head.frame_id), child, stamp_ns(head.stamp), [*map(repr, numbers)]
+
     for topic, logged_ns, whole in bag.messages(bag.topics.keys() - held.keys()):
-        listed = bag.topics[topic] in _LISTS
-        places = _POSES["geometry_msgs/TransformStamped" if listed else bag.topics[topic]]
-        for message in whole.transforms if listed else [whole]:
-            child, parent = getattr(message, "child_frame_id", ""), message.header.frame_id
+        try:
+            poses = list(parts_of(bag.topics[topic], whole))
+        except (AttributeError, TypeError, ValueError) as error:  # a file defines its messages itself
+            raise bag._damaged(error) from None
+        for parent, child, stamped_ns, numbers in poses:
             if child:
                 children.setdefault(child, parent)
             if topic.rpartition("/")[2] == _STATIC:
                 continue
             name = " ".join(f"{topic} {child}".replace(",", " ").replace('"', " ").split())
             frames.setdefault(name, parent)
-            position, orientation = (operator.attrgetter(place)(message) for place in places)
-            numbers = map(float, (*_XYZ(position), *_XYZW(orientation)))
-            rows.append((stamp_ns(message.header.stamp), logged_ns, [name, *map(repr, numbers)]))
+            rows.append((stamped_ns, logged_ns, [name, *numbers]))
     if not rows:
         others = ", ".join(f"{topic} ({what})" for topic, what in list(held.items())[:8])
         others = f" that can be read; it holds {others}" if others else ""
