@@ -148,7 +148,8 @@ def error_row(track: PoseTrack, latency_ms: int) -> dict[str, Any]:
     now = _instants(track, latency + KNOWN_NS, 0)
     now = now[_joined(track, now - latency - KNOWN_NS, now)]
     truth = track.sample_many(now).orientation_xyzw
-    then, row = now - latency, {"latency_ms": latency_ms, "count": len(now)}
+    then = now - latency
+    row: dict[str, Any] = {"latency_ms": latency_ms, "count": len(now)}
     for predictor in sorted((p for p in predictors if not p.alias_of), key=lambda p: p.horizon_ns):
         predicted = predictor.predict_many(track, then, latency).orientation_xyzw
         missed = np.linalg.norm(np.degrees(quaternions.vector_between(truth, predicted)), axis=-1)

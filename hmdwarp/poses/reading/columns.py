@@ -135,7 +135,7 @@ class _Columns:
     """Indices of the columns of one head."""
 
     clocks: list[tuple[int, str | None]]  # the likeliest first: column, and unit if the name says it
-    pairs: list[Three | tuple[int, int, str]]  # clocks in two columns: whole seconds, the rest, its unit
+    pairs: list[tuple[int, int, str]]  # clocks in two columns: whole seconds, the rest, its unit
     date: int | None  # beside a time
     frames: int | None  # that numbers frames
     orientation: tuple[int, ...] | None  # in the order x y z w, or as numbered
@@ -304,9 +304,10 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
         values = {column: len(set(head.cells(column))) for column, _ in found.clocks}
         # Those that take the most values over the first rows, then the pose's own.
         fine = [clock for clock in found.clocks if 10 * values[clock[0]] > 9 * max(values.values())]
-        time, unit = min(fine, key=lambda clock: owner(clock[0]), default=(None, None))
-        facts |= {"time": time, "unit": unit}
-        if others := ", ".join(names[column] for column, _ in found.clocks if column != time):
+        time, said = min(fine, key=lambda clock: owner(clock[0]), default=(None, None))
+        facts |= {"time": time, "unit": said}
+        others = ", ".join(names[column] for column, _ in found.clocks if column != time)
+        if time is not None and others:
             done = f"{names[time]} taken; --time-column takes another"
             caveats += (Defect("clocks-several", f"its rows have other clocks as well ({others})", done),)
         days, hours = ([] if column is None else head.cells(column) for column in (found.date, time))

@@ -246,8 +246,10 @@ class RowReader:
         ended = all(r[-1] == "" for r in head.rows if len(r) == self._width)  # each row ends with a separator
         if names and self._width != len(names) and not (self._width == len(names) + 1 and ended):
             raise TraceError(f"{head.path}: line {head.first_line}: {self._wrong_width(self._width, len(names))}")
-        numbers, whole, parts, decimals, lines = (array(kind) for kind in "dqqbi")
-        devices, clock, bad, first_bad, cut = list[bytes](), False, 0, None, None
+        numbers, whole, parts, decimals, lines = array("d"), array("q"), array("q"), array("b"), array("i")
+        devices, clock, bad = list[bytes](), False, 0
+        first_bad: tuple[int, str] | None = None
+        cut: tuple[int, str] | None = None
         for line, text in self._lines():
             if cut is not None:  # it was not the last row
                 bad, first_bad, cut = bad + 1, first_bad or cut, None
