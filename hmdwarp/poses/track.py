@@ -71,11 +71,19 @@ def _times(value: ArrayLike) -> NDArray[np.int64]:
     raise TraceError(f"time_ns: expected a row of integers, found {found}")
 
 
-def _tuple_of(kind: type, value: Iterable[Any], expected: str) -> tuple[Any, ...]:
+def _tuple_of(kind: type, value: Iterable[Any], what: str) -> tuple[Any, ...]:
     try:
         return tuple(map(kind, value))
     except NO_NUMBERS as error:
-        raise TraceError(f"{expected}, found {in_brief(value)}") from error
+        raise TraceError(f"{what}, found {in_brief(value)}") from error
+
+
+def _texts(value: Iterable[str]) -> tuple[str, ...]:
+    return _tuple_of(str, value, "notes: expected texts")
+
+
+def _jumps(value: Iterable[int]) -> tuple[int, ...]:
+    return _tuple_of(int, value, "jumps: expected indices of samples")
 
 
 def _floats(value: ArrayLike) -> NDArray[np.float64]:
@@ -134,14 +142,10 @@ class PoseTrack:
     name: str = ""
     origin: str = ""
     axes: str = ""
-    notes: tuple[str, ...] = attrs.field(
-        default=(), converter=lambda value: _tuple_of(str, value, "notes: expected texts")
-    )
+    notes: tuple[str, ...] = attrs.field(default=(), converter=_texts)
     epoch_ns: int = 0
     max_gap_ns: int = attrs.field(default=attrs.Factory(lambda self: gap_limit_ns(self.time_ns), takes_self=True))
-    jumps: tuple[int, ...] = attrs.field(
-        default=(), converter=lambda value: _tuple_of(int, value, "jumps: expected indices of samples")
-    )
+    jumps: tuple[int, ...] = attrs.field(default=(), converter=_jumps)
     gaze: NDArray[np.float64] | None = attrs.field(default=None, converter=attrs.converters.optional(_floats))
     # (n - 1,) whether a gap or jump follows each sample
     broken: NDArray[np.bool_] = attrs.field(init=False, repr=False)

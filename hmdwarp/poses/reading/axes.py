@@ -494,10 +494,10 @@ class JudgedAxes:
             return evidence_of(time_ns[at], orientation, position, evidence.gravity)
 
         if r.layout.order_by is By.DEFAULT and r.layout.euler is None:
-            place, here = None if metres is None else metres[at], _reading_of(self.axes)
+            place, stated = None if metres is None else metres[at], _reading_of(self.axes)
 
             def points(found: Evidence) -> float:  # in any axes, or in those that the format states
-                return found.best_points() if r.layout.axes == OPENXR else found.weigh(here)[0]
+                return found.best_points() if r.layout.axes == OPENXR else found.weigh(stated)[0]
 
             own = points(evidence) + CLEAR
             self._refuse_other_order(lambda turned: points(other(turned, place)) > own, r.orientation[at])

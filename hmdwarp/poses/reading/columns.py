@@ -449,7 +449,7 @@ def columns_read(head: Head, layout: Layout, device: str) -> str:
     return "; ".join(told)
 
 
-def stated_layout(head: Head, options: TraceOptions, _: Mapping[str, Any]) -> Layout:
+def stated_layout(head: Head, options: TraceOptions, _facts: Mapping[str, Any]) -> Layout:
     """Return the layout of --columns; w is last unless --quat-order says otherwise."""
     text = options.columns or ""
     parts = [part.partition("=") for part in text.split(",")]

@@ -69,7 +69,8 @@ def table_of_json(path: Path, raw: bytes) -> Made | None:
         raise TraceError(f"{path} is JSON without a list or an object of poses: its keys are {keys[:300] or 'none'}")
     found = [_flat(record) for record in records]
     kinds = Counter(tuple(row) for row in found)
-    wanted = set(max(kinds, key=lambda kind: (kinds[kind] >= _LEAST_RECORDS and has_pose(list(kind)), kinds[kind])))
+    likely: tuple[str, ...] = max(kinds, key=lambda k: (kinds[k] >= _LEAST_RECORDS and has_pose(list(k)), kinds[k]))
+    wanted = set(likely)
     rows = [row for row in found if 2 * len(wanted & set(row)) >= len(wanted)]
     others = len(found) - len(rows)
     what = f"{counted(others, 'record')} of another kind than the poses"
