@@ -255,9 +255,9 @@ class RowReader:
                 bad, first_bad, cut = bad + 1, first_bad or cut, None
             try:
                 row, time, device = self._parse_line(text)
-                numbers.extend(row)
+                parts.append(time[1])  # first, as it alone may be too large
                 whole.append(time[0])
-                parts.append(time[1])
+                numbers.extend(row)
             except (ValueError, OverflowError) as error:
                 # NaN and words are faults, not truncation.
                 words = {f.lower().lstrip("+-") for field in split(text, None) for f in field.split(",")}
@@ -284,7 +284,8 @@ class RowReader:
         if not lines:
             why = f" ({self.defects[0]})" if self.defects else ""
             raise TraceError(f"{head.path} holds no usable row{why}")
-        values, wholes, rests = np.array(numbers).reshape(len(lines), -1), np.array(whole), np.array(parts)
+        values = np.frombuffer(numbers).reshape(len(lines), -1)
+        wholes, rests = np.frombuffer(whole, np.int64), np.frombuffer(parts, np.int64)
         if layout.rest is not None and rests.max() >= BILLION:  # a clock of its own
             wholes, rests = np.divmod(rests, BILLION)
         stamps = Stamps(wholes, rests, clock, np.array(decimals))
