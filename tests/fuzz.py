@@ -314,7 +314,7 @@ def _traces(add: Add) -> None:
     there = track.evolve(epoch_ns=BEGINS_NS)
     for name in (form.name for form in formats if form.writes):
         saves = partial(lambda name, folder: save(there, folder / f"trace.{name}", name), name)
-        add(f"trace {name}", saves, reads(), "mcap" if name == "mcap" else None)
+        add(f"trace {name}", saves, reads())
     table = rows(track, "wxyz")
     texts = {
         "multi": ["timestamp viewpoint w x y z", *(" ".join([r[0], "0", *r[4:]]) for r in table)],
