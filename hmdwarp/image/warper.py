@@ -6,8 +6,9 @@ import atexit
 import threading
 import warnings
 import weakref
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
+from functools import partial
 from itertools import cycle
 from numbers import Integral, Real
 from pathlib import Path
@@ -25,11 +26,10 @@ from ..client.plan import OTHERS, SHOWN_DEPTH, Plan, needs_of
 from ..colour import srgb8_from_linear
 from ..errors import InputError, in_brief
 from ..frames import EyeImage
-from ..geometry import DepthLayer, View, metres_from_inverse_depth
+from ..geometry import View
 from ..gpu.context import Gpu, check_not_forked
-from ..gpu.textures import Canvas, Owner, check_size, download
+from ..gpu.textures import COLOUR, SCALAR, Canvas, Owner, check_size
 from ..options import AUTO
-from ..pipeline.governor import Change
 from ..pipeline.options import DEFAULT_WARP, SINGLE_FILL
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, GiveOut, PixelBuffers, TakeIn
 from ..sources.repairs import parse_repairs
@@ -43,8 +43,8 @@ from .picture_arrays import (
     raw_picture,
     without_hidden,
 )
-from .picture_textures import INVERSE, CallerLayers, HeldPicture, converted
-from .usable import AutoCompensator, plan_of, plans_of_levels
+from .picture_textures import CallerLayers, HeldPicture
+from .usable import chosen, plan_of, plans_of_levels
 
 _MOST_AGE_S = 9e9  # in nanoseconds still of 64 bits
 _LARGEST, _UNIT, _HOLES = "largest", "unit", "holes"  # what a Warper warns of once
@@ -138,8 +138,8 @@ class Warper:
         OpenGL context that is current: then your textures can be read without a copy, and you bind
         your own state again after each call.
     budget_ms, bench : float, path
-        As warp_image, for warp "auto", which keeps warp and fill within budget_ms a picture: `plan`
-        is that of the last one.
+        As warp_image, for warp "auto", which times its levels on the first picture and stays with
+        the best: `plan` says which.
 
     Raises
     ------
@@ -169,6 +169,7 @@ class Warper:
         plans = [plan_of(warp, fill, effects, depth=depth)] if auto is None else [*auto.values()]
         if auto is None and not (budget_ms is None and bench is None):
             raise InputError(f"budget_ms and bench are for warp 'auto': '{warp}' takes what it takes; leave them out")
+        self._plan = plans[0]
         self._needs, self._has_depth = needs_of(plans), depth
         self._learns = any(choice.entry.remembers for plan in plans for choice in plan.fills)
         self.repair = parse_repairs(repair)
@@ -180,12 +181,9 @@ class Warper:
             self._owner = Owner()
             stack.callback(self._owner.close)
             own, sizes = self._owner.own, (self.rendered_size, self.size)
-            self._compensator: Compensator | AutoCompensator
-            if auto is None:
-                self._compensator = own(Compensator(current, plans[0], None, *sizes))
-            else:
-                self._compensator = own(AutoCompensator(current, auto, *sizes, budget_ms or 0))
-            self._layers = own(CallerLayers(current, self._needs, *sizes))
+            self._compensator = own(Compensator(current, self._plan, None, *sizes)) if auto is None else None
+            self._choose = partial(chosen, current, auto or {}, sizes, budget_ms or 0)
+            self._layers = own(CallerLayers(current, self._needs, self.rendered_size))
             count = 1 + self._needs.others.count + self._needs.others.recent
             has_confidence = bool(self.repair.steps)
             self._pictures = [own(HeldPicture(current, self.rendered_size, has_confidence)) for _ in range(count)]
@@ -245,9 +243,8 @@ class Warper:
         eye: int = 0,
     ) -> WarpedImage:
         """Return the result, and warn in the name of the function that the caller has called."""
-        known = SRGB8, SRGB, LINEAR
-        if not is_one_of(result, known):
-            raise InputError(f"result is {in_brief(result)}: expected {', '.join(known)}, or None for the picture's")
+        if not is_one_of(result, (SRGB8, SRGB, LINEAR)):
+            raise InputError(f"result is {in_brief(result)}: expected srgb8, srgb, linear, or None for the picture's")
         if isinstance(age_s, bool) or not isinstance(age_s, Real) or not abs(age_s) <= _MOST_AGE_S:
             raise InputError(f"age_s is {in_brief(age_s)}: expected seconds from drawing the picture to showing it")
         for number, (picture, _) in enumerate(pictures):
@@ -280,6 +277,9 @@ class Warper:
         with gpu.timer.cpu_stage("upload"):
             images[0] = images[0].having(**self._layers.hold(layers))
         inputs = self._inputs(images, shown, eye, round(float(age_s) * 1e9))
+        if self._compensator is None:
+            self._compensator = self._owner.own(self._choose(inputs))
+            self._plan = self._compensator.plan
         made = self._compensator.run(inputs)
         if self._confidence is not None:
             sure = {held.pair[0]: held.sure for held in self._pictures}
@@ -296,8 +296,6 @@ class Warper:
         with gpu.timer.cpu_stage("download"):
             arrays = self._give_out.arrays(buffers)
         whole_ms, times = gpu.timer.lap_ms, self._summed(gpu.timer.collect())
-        if isinstance(self._compensator, AutoCompensator):
-            self._compensator.record(eye, times)
         times["host"] = max(whole_ms - sum(times.values()), 0.0)  # their sum is the call
         return WarpedImage(arrays["colour"], arrays["coverage"], times, share, kind, arrays.get("depth_m"))
 
@@ -311,63 +309,46 @@ class Warper:
     def warp_textures(
         self,
         colour: moderngl.Texture,
-        depth: moderngl.Texture,
+        inverse_depth: moderngl.Texture,
         rendered: View,
         shown: View,
         *,
-        depth_as: str | DepthLayer = INVERSE,
-        encoding: str = LINEAR,
         layers: Mapping[str, Any] = MappingProxyType({}),
         eye: int = 0,
     ) -> WarpedTextures:
-        """Return the view `shown` as textures, from textures of the same context.
-
-        Warns once of depth that is hardly in metres, as warp_image does: it is read back for the
-        first picture whose eye moves.
+        """Return the view `shown` as textures, read from textures of the same context.
 
         Parameters
         ----------
-        colour, depth : moderngl.Texture
-            Of rendered_size, rows bottom to top; `gpu.gl.external_texture` makes one of an OpenGL
-            id. Alpha is coverage: 0 is a hole. rgba16f colour in linear light beside r32f inverse
-            depth are read where they are; all else is taken over by one pass.
-        rendered, shown : View
-            As warp_image.
-        depth_as : str or DepthLayer
-            "inverse" (1/m; below 0 is none), "metres" (0 is none), or the DepthLayer of a buffer.
-        encoding : str
-            "linear", also for a texture that OpenGL decodes itself, or "srgb".
+        colour, inverse_depth : moderngl.Texture
+            Of rendered_size, rows bottom to top: rgba16f linear light, whose alpha is 0 in holes,
+            and r32f 1/m, below 0 where there is none. `gpu.gl.external_texture` makes one of an
+            OpenGL id.
+        rendered, shown, eye
+            As warp.
         layers : mapping
             "panels" alone, as warp_image; what runs on arrays has no textures.
-        eye : int
-            As warp.
 
         Raises
         ------
         InputError
-            For arguments that do not fit, for a warp that reads more than a picture with depth, and
-            for a Warper with a repair, which runs on arrays.
+            For arguments that do not fit; without gpu=; and for warp "auto", a repair or a warp of
+            several pictures, which take arrays.
         """
         views = _checked_views(rendered, shown, eye)
         self._check_others(0)
         self._layers.check(layers, f"{self._named} runs on arrays where it")
-        if isinstance(self._compensator, AutoCompensator):
-            raise InputError("warp 'auto' times pictures of warp() and submit(): name a warp for textures")
-        if self.repair.steps:
-            raise InputError(f"repair '{self.repair.text}' runs on arrays: give them to warp(), or leave it out")
-        if self._own_gpu is None:
-            raise InputError("textures belong to a context: make the Warper with gpu=, the context they are of")
+        if self._own_gpu is None or self.repair.steps or self._compensator is None:
+            raise InputError("textures are for a Warper with gpu=, the context they are of, a named warp and no repair")
+        size = self.rendered_size
+        for name, texture, kind in (("colour", colour, COLOUR), ("inverse_depth", inverse_depth, SCALAR)):
+            fits = isinstance(texture, moderngl.Texture) and texture.size == size
+            if not fits or (texture.components, texture.dtype) != kind:
+                expected = f"{kind[0]} components of type {kind[1]}, of {size[0]}x{size[1]} pixels"
+                raise InputError(f"{name} is {in_brief(texture)}: expected a moderngl.Texture of {expected}")
         with self._gpu() as gpu:
-            pair = converted(gpu, self.rendered_size, colour, depth, depth_as, encoding, self._pictures[0].pair)
-
-            def metres() -> NDArray[np.float64]:  # read back once: it waits for the GPU
-                inverse = download(pair[1])
-                return metres_from_inverse_depth(np.where(inverse >= 0, inverse, np.nan).astype(np.float64))
-
-            for note in self._unit_notes(metres, views, "a scale of {:g}"):
-                warnings.warn(note, stacklevel=2)
             self._count += 1
-            image = EyeImage(views[0], *pair, self._layers.hold(layers), drawn_ns=self._count)
+            image = EyeImage(views[0], colour, inverse_depth, self._layers.hold(layers), drawn_ns=self._count)
             made = self._compensator.run(self._inputs([image], views[1], eye))
             gpu.check_not_lost()
             assert made.shown is not None, "only a fused plan lacks it"
@@ -375,19 +356,8 @@ class Warper:
 
     @property
     def plan(self) -> Plan:
-        """The passes of the last picture."""
-        return self._compensator.plan
-
-    @property
-    def changes(self) -> tuple[Change, ...]:
-        """What warp "auto" has switched, and why."""
-        return self._compensator.changes if isinstance(self._compensator, AutoCompensator) else ()
-
-    @property
-    def time_ms(self) -> dict[str, float]:
-        """Milliseconds by stage of the pictures since this was last read; waits for the GPU."""
-        with self._gpu() as gpu:
-            return self._summed(gpu.timer.collect())
+        """The passes that run; for warp "auto" those chosen on the first picture."""
+        return self._plan
 
     def _summed(self, stages: Iterable[tuple[str, float]]) -> dict[str, float]:
         """Return milliseconds by stage name, all pictures of a plan together; see WarpedImage."""
@@ -440,19 +410,14 @@ class Warper:
                 largest += about_largest([picture.depth])
             self._warned.update([_LARGEST] if largest else [])
             yield from largest
-        yield from self._unit_notes(picture.metres, (rendered, shown), "depth_scale={:g}")
+        moved_m = float(np.linalg.norm(shown.pose.position_m - rendered.pose.position_m))
+        if _UNIT not in self._warned and moved_m:  # looked at once
+            self._warned.add(_UNIT)
+            yield from about_unit([picture.metres()], moved_m, "depth_scale={:g}")
         if self.plan.fills and _HOLES not in self._warned:  # where nothing fills holes, coverage tells of them
             empty = about_holes(hole_share, rendered, shown)
             self._warned.update([_HOLES] if empty else [])
             yield from empty
-
-    def _unit_notes(self, depth: Callable[[], NDArray[Any]], views: tuple[View, View], option: str) -> list[str]:
-        """Return a note on depth (metres, called for once) at the first picture whose eye moves."""
-        moved_m = float(np.linalg.norm(views[1].pose.position_m - views[0].pose.position_m))
-        if _UNIT in self._warned or not moved_m:
-            return []
-        self._warned.add(_UNIT)
-        return about_unit([depth()], moved_m, option)
 
     @property
     def _named(self) -> str:
@@ -563,8 +528,8 @@ def warp_image(
         Further pictures of the scene, for warps and effects that read them: the other eye's, then
         older ones, newest first.
     layers : mapping
-        Further layers by name, for effects that read them: velocity, ids, overlay, panels;
-        docs/rgbd.md says what each holds.
+        Further layers by name, for effects that read them: velocity and panels; docs/rgbd.md says
+        what each holds.
     age_s : float
         Seconds from drawing the picture to showing it, for what moves.
     depth_scale : float, optional

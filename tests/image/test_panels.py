@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
-import pytest
 
-from hmdwarp import Fov, InputError, Panel, Pose, View, Warper, warp_image
-from hmdwarp.gpu import COLOUR, SCALAR, allocate, download, upload
+from hmdwarp import Fov, Panel, Pose, View, Warper, warp_image
 
 SIZE = (64, 48)
 VIEW = View(Pose((0.0, 1.6, 0.0)), Fov.from_tangents((-0.64, 0.64, -0.48, 0.48)))
@@ -53,34 +51,3 @@ def test_a_warper_takes_other_panels_for_each_picture():
     assert np.array_equal(one.colour, warped(WHITE))
     assert np.array_equal(bare.colour, again.colour)
     assert (beside.colour == 255).all(axis=2).sum() == 20 * 30
-
-
-@pytest.mark.parametrize(
-    ("panels", "message"),
-    [
-        ([GREY], "layer 'panels': expected .hmdwarp.Panel.picture, pose, size_m"),
-        (WHITE, "layer 'panels' is a Panel: expected .hmdwarp.Panel"),
-    ],
-)
-def test_what_is_no_panel_is_refused(panels, message):
-    with Warper(SIZE, effects="panels") as warper, pytest.raises(InputError, match=message):
-        warper.warp(GREY, np.full((48, 64), 2.0), VIEW, SHOWN, layers={"panels": panels})
-
-
-def test_panels_without_their_effect_are_refused():
-    with Warper(SIZE) as warper, pytest.raises(InputError, match="does not read it; leave it out, or name an effect"):
-        warper.warp(GREY, np.full((48, 64), 2.0), VIEW, SHOWN, layers={"panels": [WHITE]})
-
-
-def test_textures_get_panels_too(gpu):
-    """The same picture as of arrays, in the caller's own context."""
-    colour, depth = np.full((48, 64, 3), 0.25, np.float32), np.full((48, 64), 2.0)
-    with Warper(SIZE, effects="panels", gpu=gpu) as warper:
-        here = warper.warp(colour, depth, VIEW, SHOWN, layers={"panels": [WHITE]}).colour
-        textures = allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR)
-        upload(textures[0], colour)
-        upload(textures[1], (1 / depth).astype(np.float32))
-        found = download(warper.warp_textures(*textures, VIEW, SHOWN, layers={"panels": [WHITE]}).colour)
-        bare = download(warper.warp_textures(*textures, VIEW, SHOWN).colour)
-    assert np.array_equal(found[..., :3].astype(np.float32), here)
-    assert not np.array_equal(found, bare)
