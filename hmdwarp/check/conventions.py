@@ -32,9 +32,11 @@ class Convention:
     label: str
     needs: str  # the frames that show it
     fields: tuple[str, ...]  # the parts of a reading that state it
-    # What is fitted for it, and the standard error beyond which it is unknown: of the factor's
-    # logarithm; of the offset, in the median; of the way along the ray; in pixels; in frames.
+    # What is fitted for it, the least difference with a name, and the standard error beyond which
+    # it is unknown: of a factor's logarithm; of the way along the ray; in pixels; in frames; of the
+    # offset, in what is farthest, and in the median.
     numbers: tuple[str, ...] = ()
+    least: float = 0.0
     vague: float = math.inf
     plain: str = "as stated"  # its value in words, where a reading does not differ
 
@@ -123,16 +125,18 @@ CONVENTIONS = {
     "axes": Convention("axes", _POSES_DIFFER, ("axes",), plain=""),
     "rows": Convention("rows", _ROWS, ("colour_rows_up", "depth_rows_up"), plain=""),
     "eyes": Convention("eyes", _EYES, ("eyes_swapped",), plain="as named"),
-    "ray": Convention("depth along", f"{_APART}, or a wider view", ("along",), ("along",), 0.2, "-z"),
+    "ray": Convention("depth along", f"{_APART}, or a wider view", ("along",), ("along",), 0.5, 0.2, "-z"),
     "encoding": Convention("depth encoding", _APART, _DEPTH, plain="distance"),
-    "planes": Convention("near and far", f"{_APART}, with things near and far", ("offset",), ("factor", "offset"), 0.1),
-    "scale": Convention("depth scale", _APART, _DEPTH, ("factor",), 0.1),
-    "focal": Convention(
-        "field of view", "a head that turns far, both ways, and moves ahead or back", _WIDE, _WIDE, 0.05
+    "planes": Convention(
+        "near and far", f"{_APART}, with things near and far", ("offset",), ("factor", "offset"), 0.05, 0.1
     ),
-    "centre": Convention("principal point", "frames that roll, or approach something", _PIXELS, _PIXELS, 5.0),
-    "pixel": Convention("pixel centres", "frames that roll or approach", _PIXELS, _PIXELS, 0.15),
-    "time": Convention("time of the pose", _TIME, ("late_s",), ("late_s",), 0.15, "that of the picture"),
+    "scale": Convention("depth scale", _APART, _DEPTH, ("factor",), 0.05, 0.1),
+    "focal": Convention(
+        "field of view", "a head that turns far, both ways, and moves ahead or back", _WIDE, _WIDE, 0.015, 0.05
+    ),
+    "centre": Convention("principal point", "frames that roll, or approach something", _PIXELS, _PIXELS, 0.75, 5.0),
+    "pixel": Convention("pixel centres", "frames that roll or approach", _PIXELS, _PIXELS, 0.25, 0.15),
+    "time": Convention("time of the pose", _TIME, ("late_s",), ("late_s",), 0.1, 0.15, "that of the picture"),
 }
 
 

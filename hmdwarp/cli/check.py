@@ -41,19 +41,18 @@ def _print(answer: conventions.Answer) -> None:
     from ._show import paragraph
 
     paragraph(answer.headline)
-    findings = answer.findings if answer.agree else ()
-    width = max((len(finding.label) for finding in findings), default=0)
-    for finding in (finding for finding in findings if finding.told):
+    width = max((len(finding.label) for finding in answer.findings), default=0)
+    for finding in (finding for finding in answer.findings if finding.told):
         mark = "" if finding.as_stated else "  <- not as stated"
         sure = f"  ({finding.margin:.0f} standard errors ahead)" if finding.margin is not None else ""
         typer.echo(f"  {finding.label:<{width}}  {finding.value}{sure}{mark}")
-    for other in answer.as_good if answer.agree else ():
+    for other in answer.as_good:
         paragraph(f"It may be {other}")
-    for finding in (finding for finding in findings if not finding.told):
+    for finding in (finding for finding in answer.findings if not finding.told):
         paragraph(f"{finding.label} cannot be told from these frames: {finding.why}")
-    if answer.agree and answer.code:
+    if answer.code:
         typer.echo("\n".join(["Read them so:", *(f"    {line}" for line in answer.code)]))
-    stated = answer.search.stated
+    stated = answer.stated
     if stated.assumptions:
         typer.echo("\n".join(["The folder was read with:", *(f"  {one}" for one in stated.assumptions)]))
     for note in stated.notes:

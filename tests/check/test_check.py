@@ -77,7 +77,7 @@ def test_wrong_intrinsics_are_named_and_measured(fx, fy, x, y, in_the_room):
     wrong = ["focal"] if fx != 1 or fy != 1 else ["centre"]
     assert [finding.name for finding in answer.findings if not finding.as_stated] == wrong
     mended, true = (
-        mend(frame, code).view.fov for frame, code in ((answer.search.stated.frames[0], answer.code), (right[0], ()))
+        mend(frame, code).view.fov for frame, code in ((answer.stated.frames[0], answer.code), (right[0], ()))
     )
     found, expected = (np.array(fov.intrinsics((96, 72))) for fov in (mended, true))
     # A hundredth of the focal length is half a pixel at the border; noise and gaps move no more.

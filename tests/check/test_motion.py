@@ -77,15 +77,12 @@ def given(
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_each_of_32_conventions_is_named_from_four_frames(true, scene):
+def test_each_convention_is_named_from_four_frames(true, scene):
     for convention in CONVENTIONS:
         verdict = check_motion(given(true[scene], made.arrays_of(true[scene], convention)))
         assert attrs.astuple(verdict.best) == convention, verdict.headline()
         assert verdict.verdict == ("right" if convention == EXTENSION else "wrong"), verdict.headline()
         assert all(one.told for one in verdict.properties), (convention, verdict.lines())
-        # Exact but for half floats, and for pixels at edges: 1 % of the factor, 5 % of z.
-        assert np.abs(np.array(verdict.contradictions.factor) - 1).max() < 0.01
-        assert verdict.z is None or abs(verdict.z[0] - 1) < 0.05
 
 
 def test_right_vectors_of_fine_detail_without_antialiasing_are_right(gpu):
@@ -219,18 +216,16 @@ def changed(folder, change):
     return folder
 
 
-def test_depth_of_16_bits_scales_offsets_and_sub_images_are_read(true, tmp_path):
+def test_depth_of_16_bits_scales_and_offsets_are_read(true, tmp_path):
     frames = true["parade"]
     coded = {"motionVectorScale": [0.5, 0.5, 0.5, 0], "motionVectorOffset": [-1, -1, -1, 0]}
-    rect = {"imageRect": {"offset": {"x": 4, "y": 2}, "extent": {"width": LOW[0], "height": LOW[1]}}}
 
     def write(number):
-        wide = np.full((LOW[1] + 5, LOW[0] + 9, 4), 9.0)
-        wide[2:-3, 4:-5, :3] = 2 * (np.load(tmp_path / f"{number}.motion.npy").astype(float) + 1)
-        np.save(tmp_path / f"{number}.motion.npy", wide)
+        vectors = np.load(tmp_path / f"{number}.motion.npy").astype(float)
+        np.save(tmp_path / f"{number}.motion.npy", 2 * (vectors + 1))
         buffer = np.rint(65535 * made.depth_of(frames[number])).astype(np.uint16)
         Image.fromarray(buffer).save(tmp_path / f"{number}.depth.png")
-        return {"depth": f"{number}.depth.png", "motionVectorSubImage": rect}
+        return {"depth": f"{number}.depth.png"}
 
     read = read_motion(changed(made.write_folder(tmp_path, frames, EXTENSION, **coded), write))
     assert check_motion(read).verdict == "right"
@@ -264,12 +259,8 @@ def test_blender_s_layers_are_read_as_they_are(true, tmp_path):
     assert check_motion(read_motion(changed(shot, write))).verdict == "right"
 
 
-FAR_RECT = {"imageRect": {"offset": {"x": 9, "y": 0}, "extent": {"width": 160, "height": 9}}}
-
-
 @pytest.mark.parametrize(("change", "message"), [
     ({"nearZ": 1, "farZ": 1}, "expected two different positive distances"),
-    ({"depthSubImage": FAR_RECT}, "the file has"),
     ({"motion": None}, "expected two or more with depth"),
     ({"depth": None}, "motion vectors without depth"),
     ({"colour": "../elsewhere.png"}, "elsewhere"),
@@ -281,7 +272,7 @@ def test_what_does_not_fit_is_refused(true, tmp_path, change, message):
     folder = changed(made.write_folder(tmp_path / "frames", true["parade"][:2], EXTENSION), lambda _: change)
     with pytest.raises(InputError, match=re.escape(message)):
         read_motion(folder)
-    with pytest.raises(InputError, match="expected ndc, uv, pixels, metres"):
+    with pytest.raises(InputError, match="expected ndc, uv, pixels"):
         Convention("inches")
 
 
