@@ -268,7 +268,7 @@ class World:
     def asked(self, settings: object) -> TwinInputs:
         return TwinInputs(
             self.colour, self.inverse_depth, self.rendered_view, self.shown_view, self.shown_size,
-            client_inverse_depth=self.client, layers=self.layers, cube=self.cube, others=self.others, settings=settings,
+            client_inverse_depth=self.client, cube=self.cube, settings=settings,
             sampler_pixels=self.sampler_pixels,
         )  # fmt: skip
 
