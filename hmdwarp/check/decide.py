@@ -11,9 +11,8 @@ import attrs
 import numpy as np
 
 from ..errors import listed
-from ..poses.assumptions import assumption_rows
 from . import conventions
-from .conventions import CONVENTIONS, differences, restored, value
+from .conventions import CONVENTIONS, Answer, Finding, differences, restored, value
 from .search import (
     DEPTH_SHIFT,
     LOGARITHMS,
@@ -425,55 +424,6 @@ def _fitted(search: Search, reading: Reading, names: tuple[str, ...]) -> Fitted:
     return Fitted(attrs.evolve(reading, scales=tuple((scales - scales.mean()).tolist())))
 
 
-@attrs.frozen
-class Finding:
-    """What the frames say about one convention."""
-
-    name: str
-    label: str
-    value: str  # what was found, or what is stated where it cannot be told
-    as_stated: bool
-    told: bool
-    margin: float | None = None  # standard errors by which the nearest other reading is worse; None for numbers
-    why: str = ""  # why it cannot be told; "" where it can
-
-
-@attrs.frozen(eq=False, repr=False)
-class Answer:
-    """What is wrong, or that it cannot be told: headline, findings and code are one decision."""
-
-    stated: Stated
-    reading: Reading  # the one under which the frames agree best
-    verdict: str  # "right", "wrong" (of what, the headline may tell), or "no agreement"
-    is_told: bool  # whether the best reading is the only one that explains the frames, and nearly all
-    headline: str  # the verdict in one sentence
-    findings: tuple[Finding, ...]  # one for each convention; none without agreement
-    as_good: tuple[str, ...]  # what it may be, where frames do not tell: each explains them as well
-    code: tuple[str, ...]  # the lines that read such frames right; none where the cause is not known
-    agreement_stated: float  # share of the depths in view of two frames that agree within 5 %, as stated
-    agreement: float  # the same under the best reading
-    likeness: float  # correlation of their brightness where depths agree
-
-    def __repr__(self) -> str:
-        return f"<Answer {self.headline}>"
-
-    def as_json(self) -> dict[str, Any]:
-        """Return what `--json` prints."""
-        return {
-            "verdict": self.verdict,
-            "told": self.is_told,
-            "frames": len(self.stated.frames),
-            "agreement_stated": self.agreement_stated,
-            "agreement": self.agreement,
-            "likeness": self.likeness,
-            "conventions": [attrs.asdict(finding) for finding in self.findings],
-            "as_good": list(self.as_good),
-            "code": list(self.code),
-            "assumptions": assumption_rows(self.stated.assumptions),
-            "notes": list(self.stated.notes),
-        }
-
-
 def _answer(
     search: Search, best: Candidate, rivals: Sequence[Candidate], besides: Sequence[str], noise: Noise
 ) -> Answer:
@@ -484,6 +434,11 @@ def _answer(
     """
     stated, reading, plain = search.stated, best.reading, PLAIN
     share, share_stated, alike = agreement(search, reading), agreement(search, plain), likeness(search, reading)
+    # Shares of the depths in view of two frames that agree within 5 %, as stated and under the best
+    # reading, and the correlation of their brightness there.
+    figures = {"agreement_stated": share_stated, "agreement": share, "likeness": alike}
+    about: Any = {"frames": len(stated.frames), "figures": figures}
+    about |= {"assumptions": stated.assumptions, "notes": stated.notes}
     frames, found, stated_so = f"{len(stated.frames)} frames", f"{100 * share:.0f} %", f"{100 * share_stated:.0f} %"
     if share < AGREE or alike < ALIKE:
         but, expected = "however they are read", "a scene that stands still, seen from places nearby"
@@ -491,8 +446,8 @@ def _answer(
             but, expected = "but not in colour", "pictures of the same things, with detail that can be compared"
         headline = f"no agreement: {frames} agree in {found} of the depths that two of them show, {but}; "
         headline += f"expected {expected}"
-        return Answer(stated, reading, "no agreement", False, headline, (), (), (), share_stated, share, alike)
-    # Faults that are no convention and explain as much, or what the best reading leaves.
+        return Answer("no agreement", headline, reading, **about)
+    # Faults that are no convention, and explain as much, or what the best reading leaves.
     faults = standing(search, noise, best)
     known, known_stated = explained(search, reading), explained(search, plain)
     enough = known >= max(EXPLAINED, known_stated - _LESS) or 1 - known < _LEFT * (1 - known_stated)
@@ -516,17 +471,14 @@ def _answer(
         listed([f"{CONVENTIONS[name].label}: {value(one, stated, name)}" for name in differences(one)]) for one in ways
     )
     return Answer(
-        stated,
-        reading,
         "right" if is_right else "wrong",
-        is_told,
         headline,
-        tuple(_finding(search, reading, name, "" if is_told or name not in names else untold) for name in CONVENTIONS),
-        tuple(as_good),
-        tuple(conventions.code(reading, stated)) if is_told else (),
-        share_stated,
-        share,
-        alike,
+        reading,
+        [_finding(search, reading, name, "" if is_told or name not in names else untold) for name in CONVENTIONS],
+        is_told,
+        list(as_good),
+        [*conventions.code(reading, stated)] if is_told else [],
+        **about,
     )
 
 

@@ -26,6 +26,7 @@ from ..options.named_files import PICTURE_FILE, named_in, opened
 from ..sources.sequences import read_colour, read_depth
 from ..sources.sequences.frame_files import number_of, numbers_of, read_json
 from ..sources.sequences.picture_files import EXR, NPY, read_exr
+from .conventions import Answer, Finding
 from .search import SURE
 
 Array = NDArray[np.float64]
@@ -35,13 +36,9 @@ NDC, UV, PIXELS = "ndc", "uv", "pixels"
 DOWN, UP = "down", "up"
 _FORWARD, BACKWARD = "current - previous", "previous - current"
 OUT, IN = "out", "in"
-# Each property of a convention, what it may be, and its name in text; the first is the extension's.
-PROPERTIES = {
-    "unit": ((NDC, UV, PIXELS), "unit"),
-    "y": ((DOWN, UP), "y axis"),
-    "sign": ((_FORWARD, BACKWARD), "direction"),
-    "jitter": ((OUT, IN), "jitter"),
-}
+# What each property of a convention may be; the first is the extension's.
+PROPERTIES = {"unit": (NDC, UV, PIXELS), "y": (DOWN, UP), "sign": (_FORWARD, BACKWARD), "jitter": (OUT, IN)}
+LABELS = {"unit": "unit", "y": "y axis", "sign": "direction", "jitter": "jitter"}
 _ANGLES = ("angleLeft", "angleRight", "angleDown", "angleUp")
 # Pixels of colour: what is finer differs by sampling alone, what is coarser is light and shadow.
 _BLUR_PX = (1.0, 6.0)
@@ -60,7 +57,7 @@ class Convention:
     jitter: str = OUT  # whether the sub-pixel jitter of the projections is in the vectors
 
     def __attrs_post_init__(self) -> None:
-        for name, (values, _) in PROPERTIES.items():
+        for name, values in PROPERTIES.items():
             if getattr(self, name) not in values:
                 raise InputError(f"{name} of motion vectors is {getattr(self, name)!r}: expected {', '.join(values)}")
 
@@ -267,7 +264,7 @@ _MISSED = 0.02  # of the brightness, beside what 0.75 pixels make: something els
 _FAR = 1e-3  # 1/m: what differs by less is equally far
 _SURFACE = 0.06  # share of the depth: what differs by less may be one surface that came nearer by itself
 
-_CANDIDATES = tuple(Convention(*values) for values in itertools.product(*(values for values, _ in PROPERTIES.values())))
+_CANDIDATES = tuple(Convention(*values) for values in itertools.product(*PROPERTIES.values()))
 
 
 @attrs.frozen(eq=False)
@@ -427,111 +424,12 @@ _MOST = {
 }
 
 
-@attrs.frozen(eq=False)
-class Property:
-    """What is found of one property of the convention."""
-
-    name: str
-    value: str
-    as_stated: bool
-    other: Convention  # the best candidate of another value, and by how many standard errors it is worse
-    margin: float
-    moved_px: float  # median shift between the two
-
-    @property
-    def told(self) -> bool:
-        """Whether every other value is surely worse."""
-        return self.margin >= SURE
-
-
-@attrs.frozen(eq=False)
-class Verdict:
-    """What frames say about their motion vectors."""
-
-    frames: MotionFrames
-    best: Convention
-    rivals: tuple[Convention, ...]  # those that fit as well with as few changes
-    properties: tuple[Property, ...]
-    contradictions: Mapping[str, float]  # what pictures and depths say against the best, as _MOST has it
-    judged: int  # blocks that tell a shift, in two frames or more
-
-    @property
-    def reasons(self) -> list[str]:
-        """What the best candidate leaves beyond what a right one does."""
-        if self.judged < _LEAST_BLOCKS:
-            return [f"only {self.judged} blocks of the picture have detail that three frames show"]
-        return [text.format(self.contradictions[name]) for name, (most, text) in _MOST.items()
-                if self.contradictions[name] > most]  # fmt: skip
-
-    @property
-    def explained(self) -> bool:
-        """Whether the best candidate leaves no more than a right one does."""
-        return not self.reasons
-
-    @property
-    def verdict(self) -> str:
-        """Return "right", "wrong" or "cannot be told"."""
-        if not self.explained or self.rivals:
-            return "cannot be told"
-        return "right" if self.best == self.frames.stated else "wrong"
-
-    def headline(self) -> str:
-        """Return the verdict in one sentence."""
-        count, best = f"{len(self.frames.pairs)} pairs of frames", text_of(self.best)
-        if not self.explained:
-            why = listed(self.reasons)
-            return f"cannot be told: no convention explains the next frame. With the nearest ({best}), {why} ({count})"
-        if self.rivals:
-            return f"cannot be told: {' or '.join([best, *map(text_of, self.rivals)])} explain it as well ({count})"
-        wrong = listed([PROPERTIES[one.name][1] for one in self.properties if not one.as_stated])
-        return f"{f'wrong: {wrong}' if wrong else 'right'}. The vectors explain the next frame as {best} ({count})"
-
-    def lines(self) -> list[str]:
-        """Return what to print below it."""
-        if not self.explained:
-            return []
-        lines = []
-        for one in self.properties:
-            words = f"cannot be told from {text_of(one.other)}: that moves pixels by {one.moved_px:.2g}"
-            if one.told:
-                mark = "" if one.as_stated else "  <- not as stated"
-                words = f"{one.value}  ({one.margin:.0f} standard errors ahead){mark}"
-            lines.append(f"  {PROPERTIES[one.name][1]:<9}  {words}")
-        code = self.code()
-        return [*lines, *(["Read them so:"] if code else []), *(f"    {line}" for line in code)]
-
-    def code(self) -> list[str]:
-        """Return C and GLSL that make of them what XR_EXT_frame_synthesis expects."""
-        if self.verdict != "wrong":
-            return []
-        found, now = self.best, self.frames.pairs[0][0]
-        back, down = -1.0 if found.sign == BACKWARD else 1.0, 1.0 if found.y == DOWN else -1.0
-        lines, (wide, high) = [], now.size
-        units = {NDC: (1.0, 1.0), UV: (2.0, 2.0), PIXELS: (2 / wide, 2 / high)}[found.unit]
-        factors = (back * units[0], back * down * units[1], back)
-        for name, stated in (("Scale", now.scale), ("Offset", now.offset)):
-            numbers = ", ".join(f"{value * factor:.9g}" for value, factor in zip(stated, factors, strict=True))
-            if name == "Scale" or any(stated):
-                lines.append(f"info.motionVector{name} = {{{numbers}, 0}};  // XrFrameSynthesisInfoEXT")
-        lines.append("// XR_FB_space_warp: motion.xyz *= vec3({:.9g}, {:.9g}, {:.9g});".format(*factors))
-        if found.jitter == IN:
-            where = f"vec2(2.0 / {wide}, 2.0 / {high});  // pixels, y down"
-            lines.append(f"motion.xy -= (jitter - previousJitter) * {where}")
-        return lines
-
-    def as_json(self) -> dict[str, Any]:
-        """Return what `--json` prints."""
-        told = [one.name for one in self.properties if one.told] if self.explained else []
-        about = {"verdict": self.verdict, "told": told, "reasons": self.reasons, "code": self.code()}
-        return about | attrs.asdict(self, filter=lambda field, _: field.name != "frames")
-
-
 def text_of(convention: Convention) -> str:
     """Return a convention in words."""
     return f"{convention.unit}, y {convention.y}, {convention.sign}, jitter {convention.jitter}"
 
 
-def check_motion(frames: MotionFrames) -> Verdict:
+def check_motion(frames: MotionFrames) -> Answer:
     """Return which convention explains each next frame, by colour and by depth.
 
     Parameters
@@ -541,7 +439,7 @@ def check_motion(frames: MotionFrames) -> Verdict:
 
     Returns
     -------
-    Verdict
+    Answer
         The best of all conventions, those that fit as well, and what contradicts it.
     """
     full = [Pair(now, before) for now, before in frames.pairs]
@@ -553,15 +451,50 @@ def check_motion(frames: MotionFrames) -> Verdict:
     order = {one: (sum(map(operator.ne, attrs.astuple(one), stated)), float(costs[one].sum())) for one in alike}
     best = min(alike, key=order.__getitem__)
     rivals = tuple(one for one in alike if one != best and order[one][0] == order[best][0])
-    properties = []
+    figures, judged = _contradictions([Found.of(pair, best) for pair in full])
+    reasons = [text.format(figures[name]) for name, (most, text) in _MOST.items() if figures[name] > most]
+    if judged < _LEAST_BLOCKS:
+        reasons = [f"only {judged} blocks of the picture have detail that three frames show"]
+    about: Any = {"frames": len(frames.frames), "figures": figures}
+    count = f"({len(full)} pairs of frames)"
+    if reasons:
+        why = f"no convention explains the next frame. With the nearest ({text_of(best)}), {listed(reasons)} {count}"
+        return Answer("cannot be told", f"cannot be told: {why}", best, **about)
+    findings = []
     for name, value in attrs.asdict(best).items():
         margins = {one: _margin(costs[best], costs[one]) for one in costs if getattr(one, name) != value}
         other = min(margins, key=margins.__getitem__)
         apart = np.linalg.norm((full[0].places(other) - full[0].places(best)) * full[0].now.size, axis=-1)
+        why, told = f"{text_of(other)} moves pixels by {np.nanmedian(apart):.2g}", margins[other] >= SURE
         as_stated = value == getattr(frames.stated, name)
-        properties.append(Property(name, value, as_stated, other, margins[other], float(np.nanmedian(apart))))
-    found = [Found.of(pair, best) for pair in full]
-    return Verdict(frames, best, rivals, tuple(properties), *_contradictions(found))
+        findings.append(Finding(name, LABELS[name], value, as_stated, told, margins[other], "" if told else why))
+    if rivals:
+        as_good = [*map(text_of, (best, *rivals))]
+        headline = f"cannot be told: {len(as_good)} conventions explain the next frame as well {count}"
+        return Answer("cannot be told", headline, best, findings, as_good=as_good, **about)
+    wrong = listed([one.label for one in findings if not one.as_stated])
+    headline = (
+        f"{f'wrong: {wrong}' if wrong else 'right'}. The vectors explain the next frame as {text_of(best)} {count}"
+    )
+    code = _code(best, full[0].now) if wrong else []
+    return Answer("wrong" if wrong else "right", headline, best, findings, True, code=code, **about)
+
+
+def _code(found: Convention, now: MotionFrame) -> list[str]:
+    """Return C and GLSL that make of vectors what XR_EXT_frame_synthesis expects."""
+    back, down = -1.0 if found.sign == BACKWARD else 1.0, 1.0 if found.y == DOWN else -1.0
+    lines, (wide, high) = [], now.size
+    units = {NDC: (1.0, 1.0), UV: (2.0, 2.0), PIXELS: (2 / wide, 2 / high)}[found.unit]
+    factors = (back * units[0], back * down * units[1], back)
+    for name, stated in (("Scale", now.scale), ("Offset", now.offset)):
+        numbers = ", ".join(f"{value * factor:.9g}" for value, factor in zip(stated, factors, strict=True))
+        if name == "Scale" or any(stated):
+            lines.append(f"info.motionVector{name} = {{{numbers}, 0}};  // XrFrameSynthesisInfoEXT")
+    lines.append("// XR_FB_space_warp: motion.xyz *= vec3({:.9g}, {:.9g}, {:.9g});".format(*factors))
+    if found.jitter == IN:
+        where = f"vec2(2.0 / {wide}, 2.0 / {high});  // pixels, y down"
+        lines.append(f"motion.xy -= (jitter - previousJitter) * {where}")
+    return lines
 
 
 def _by_block(pair: Pair, values: Array) -> Array:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -18,7 +17,7 @@ from ..errors import InputError, PlanError, in_brief
 from ..frames.layers import PICTURE, readable
 from ..gpu import Gpu
 from ..options import AUTO
-from ..pipeline.levels import QualityLevel, best_within, check_budget, front, levels_from, read_rows
+from ..pipeline.levels import QualityLevel, best_within, front
 from .picture_textures import KNOWN
 
 # What a caller can pass: pictures with depth, and some layers.
@@ -86,29 +85,8 @@ Size = tuple[int, int]
 _ROUNDS = 3  # timed runs of each level on the first picture, after one that warms up
 
 
-def plans_of_levels(
-    bench: Path | str | None, effects: str, depth: bool, budget_ms: float | None
-) -> dict[QualityLevel, Plan]:
-    """Return the levels, of a bench.json or LEVELS, that a caller's own frames are enough for.
-
-    Errors: InputError for a budget that is no time, and where no level is left; as plan_of.
-    """
-    if budget_ms is None:
-        raise InputError("warp 'auto' keeps to a budget: give budget_ms, for the warp and fill of a picture")
-    check_budget(budget_ms, "budget_ms")
-    found = {}
-    for level in LEVELS if bench is None else levels_from(read_rows(Path(bench))):
-        try:
-            found[level] = plan_of(level.warp, level.fill, effects, depth=depth)
-        except PlanError:
-            continue
-    if not found:
-        raise InputError(f"{bench}: a single picture is enough for none of its levels; measure others")
-    return found
-
-
 def chosen(
-    gpu: Gpu, plans: Mapping[QualityLevel, Plan], sizes: tuple[Size, Size], budget_ms: float, inputs: PassInputs
+    gpu: Gpu, plans: Mapping[QualityLevel, Plan], sizes: tuple[Size, Size], budget_ms: float | None, inputs: PassInputs
 ) -> Compensator:
     """Return what runs the most accurate level that draws these inputs within the budget here.
 

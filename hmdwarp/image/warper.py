@@ -11,7 +11,6 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager
 from functools import partial
 from itertools import cycle
 from numbers import Integral, Real
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NoReturn
 
@@ -30,6 +29,7 @@ from ..geometry import View
 from ..gpu.context import Gpu, check_not_forked
 from ..gpu.textures import COLOUR, SCALAR, Canvas, Owner, check_size
 from ..options import AUTO
+from ..pipeline.levels import check_budget
 from ..pipeline.options import DEFAULT_WARP, SINGLE_FILL
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, GiveOut, PixelBuffers, TakeIn
 from ..sources.repairs import parse_repairs
@@ -44,7 +44,7 @@ from .picture_arrays import (
     without_hidden,
 )
 from .picture_textures import CallerLayers, HeldPicture
-from .usable import chosen, plan_of, plans_of_levels
+from .usable import LEVELS, chosen, plan_of
 
 _MOST_AGE_S = 9e9  # in nanoseconds still of 64 bits
 _LARGEST, _UNIT, _HOLES = "largest", "unit", "holes"  # what a Warper warns of once
@@ -137,7 +137,7 @@ class Warper:
         with all threads, one at a time. Take `Gpu(moderngl.create_context(require=430))` for the
         OpenGL context that is current: then your textures can be read without a copy, and you bind
         your own state again after each call.
-    budget_ms, bench : float, path
+    budget_ms : float
         As warp_image, for warp "auto", which times its levels on the first picture and stays with
         the best: `plan` says which.
 
@@ -159,16 +159,20 @@ class Warper:
         depth: bool = False,
         gpu: Gpu | None = None,
         budget_ms: float | None = None,
-        bench: Path | str | None = None,
     ) -> None:
         if gpu is not None and not isinstance(gpu, Gpu):
             raise InputError(f"gpu is of type {type(gpu).__name__}: expected a hmdwarp.gpu.Gpu, as Gpu(context) is")
         self._own_gpu, self._count, self._thread = gpu, 0, threading.get_ident()
         self._warned: set[str] = set()
-        auto = plans_of_levels(bench, effects, depth, budget_ms) if isinstance(warp, str) and warp == AUTO else None
-        plans = [plan_of(warp, fill, effects, depth=depth)] if auto is None else [*auto.values()]
-        if auto is None and not (budget_ms is None and bench is None):
-            raise InputError(f"budget_ms and bench are for warp 'auto': '{warp}' takes what it takes; leave them out")
+        levels = LEVELS if isinstance(warp, str) and warp == AUTO else ()
+        auto = {level: plan_of(level.warp, level.fill, effects, depth=depth) for level in levels}
+        plans = [*auto.values()] or [plan_of(warp, fill, effects, depth=depth)]
+        if auto and budget_ms is None:
+            raise InputError("warp 'auto' keeps to a budget: give budget_ms, for the warp and fill of a picture")
+        if auto:
+            check_budget(budget_ms, "budget_ms")
+        elif budget_ms is not None:
+            raise InputError(f"budget_ms is for warp 'auto': '{warp}' takes what it takes; leave it out")
         self._plan = plans[0]
         self._needs, self._has_depth = needs_of(plans), depth
         self._learns = any(choice.entry.remembers for plan in plans for choice in plan.fills)
@@ -181,8 +185,8 @@ class Warper:
             self._owner = Owner()
             stack.callback(self._owner.close)
             own, sizes = self._owner.own, (self.rendered_size, self.size)
-            self._compensator = own(Compensator(current, self._plan, None, *sizes)) if auto is None else None
-            self._choose = partial(chosen, current, auto or {}, sizes, budget_ms or 0)
+            self._compensator = own(Compensator(current, self._plan, None, *sizes)) if not auto else None
+            self._choose = partial(chosen, current, auto, sizes, budget_ms)
             self._layers = own(CallerLayers(current, self._needs, self.rendered_size))
             count = 1 + self._needs.others.count + self._needs.others.recent
             has_confidence = bool(self.repair.steps)
@@ -487,7 +491,6 @@ def warp_image(
     result: str | None = None,
     depth: bool = False,
     budget_ms: float | None = None,
-    bench: Path | str | None = None,
 ) -> WarpedImage:
     """Return the view `shown`, warped from a picture with depth drawn for `rendered`.
 
@@ -510,7 +513,7 @@ def warp_image(
         a hole; what shown.hidden has is black.
     warp : str
         Name of a warp that one picture is enough for. "auto" takes the most accurate warp and fill
-        that warp and fill this picture in budget_ms.
+        that draw this picture in budget_ms; `hmdwarp choose` names one by a benchmark of yours.
     fill : str
         Name of a fill, or several with +; by default "pyramid". The "memory+pyramid" of runs would
         show one frame in the holes of another, for frames of a caller need not follow each other.
@@ -544,8 +547,6 @@ def warp_image(
         Whether the result has the depth of what is shown.
     budget_ms : float, optional
         For warp "auto".
-    bench : path, optional
-        The bench.json of `hmdwarp bench` that warp "auto" chooses from; by default a few are known.
 
     Returns
     -------
@@ -566,7 +567,9 @@ def warp_image(
     own_size = pictures[0][0].size
     shown_size = own_size if size is None else checked_size(size)
     options: dict[str, Any] = {"warp": warp, "fill": fill, "effects": effects, "repair": repair, "depth": depth}
-    options |= {"budget_ms": budget_ms, "bench": bench}
-    with Warper(shown_size, rendered_size=own_size, gpu=gpu, **options) as warper, warper._gpu() as current:
+    with (
+        Warper(shown_size, rendered_size=own_size, gpu=gpu, budget_ms=budget_ms, **options) as warper,
+        warper._gpu() as current,
+    ):
         current.timer.collect()
         return warper._warped(current, pictures, shown, layers, age_s, result)

@@ -80,9 +80,9 @@ def given(
 def test_each_convention_is_named_from_four_frames(true, scene):
     for convention in CONVENTIONS:
         verdict = check_motion(given(true[scene], made.arrays_of(true[scene], convention)))
-        assert attrs.astuple(verdict.best) == convention, verdict.headline()
-        assert verdict.verdict == ("right" if convention == EXTENSION else "wrong"), verdict.headline()
-        assert all(one.told for one in verdict.properties), (convention, verdict.lines())
+        assert attrs.astuple(verdict.reading) == convention, verdict.headline
+        assert verdict.verdict == ("right" if convention == EXTENSION else "wrong"), verdict.headline
+        assert all(one.told for one in verdict.findings), (convention, verdict.findings)
 
 
 def test_right_vectors_of_fine_detail_without_antialiasing_are_right(gpu):
@@ -173,8 +173,8 @@ def test_what_is_no_convention_cannot_be_told(true, fault):
         else:
             found = [change(now, before, one) for now, before, one in zip(frames[1:], frames, right, strict=False)]
         verdict = check_motion(given(frames, [right[0], *(one.astype(np.float16) for one in found)]))
-        assert verdict.verdict == "cannot be told" and not verdict.explained, verdict.headline()
-        assert "no convention explains" in verdict.headline() and not verdict.code() and not verdict.lines()
+        assert verdict.verdict == "cannot be told" and "no convention explains" in verdict.headline, verdict
+        assert not verdict.code and not verdict.findings
 
 
 def test_what_frames_do_not_show_is_said(true):
@@ -182,19 +182,19 @@ def test_what_frames_do_not_show_is_said(true):
     first = true["skinned"][0]
     still = [attrs.evolve(first, time_ns=frame.time_ns, then=first.now) for frame in true["skinned"]]
     none = check_motion(given(still, made.arrays_of(still, EXTENSION)))
-    assert none.verdict == "right" and not any(one.told for one in none.properties)
-    assert "cannot be told from" in "\n".join(none.lines())
+    assert none.verdict == "right" and not any(one.told for one in none.findings)
+    assert all("moves pixels by" in one.why for one in none.findings)
     frames = [attrs.evolve(frame, jitter=np.zeros(2)) for frame in true["skinned"]]
-    assert not check_motion(given(frames, made.arrays_of(frames, EXTENSION))).properties[3].told
+    assert not check_motion(given(frames, made.arrays_of(frames, EXTENSION))).findings[3].told
 
 
 def test_the_line_to_change_makes_them_those_of_the_extension(true):
     frames = true["skinned"]
     for convention in CONVENTIONS[3:24:6]:
         vectors = made.arrays_of(frames, convention)
-        numbers = re.search(r"Scale = \{(.*)\}", check_motion(given(frames, vectors)).code()[0])[1]
+        numbers = re.search(r"Scale = \{(.*)\}", check_motion(given(frames, vectors)).code[0])[1]
         read = check_motion(given(frames, vectors, scale=tuple(map(float, numbers.split(",")))[:3]))
-        assert attrs.astuple(read.best) == (*EXTENSION[:3], convention[3]), numbers
+        assert attrs.astuple(read.reading) == (*EXTENSION[:3], convention[3]), numbers
 
 
 def test_the_command_says_what_is_wrong_and_that_what_is_stated_is_right(true, tmp_path):
@@ -205,7 +205,12 @@ def test_the_command_says_what_is_wrong_and_that_what_is_stated_is_right(true, t
     stated = dict(zip(("unit", "y", "sign", "jitter"), CONVENTIONS[15], strict=True))
     made.write_folder(folder, true["parade"], CONVENTIONS[15], convention=stated)
     data = json.loads(hmdwarp("check", "--motion", folder, "--json").stdout)
-    assert data["verdict"] == "right" and data["told"] == [*stated] and data["code"] == []
+    assert (
+        data["verdict"] == "right"
+        and data["told"]
+        and all(one["told"] for one in data["conventions"])
+        and data["code"] == []
+    )
 
 
 def changed(folder, change):

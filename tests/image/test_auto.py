@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from bench_files import AMPLE_MS, a_bench, a_row
+from bench_files import AMPLE_MS
 
-from hmdwarp import Fov, InputError, Pose, View, Warper, warp_image
+from hmdwarp import Fov, Pose, View, Warper, warp_image
 from hmdwarp.client import parse_fills, parse_warp
 from hmdwarp.image import usable_fills, usable_warps
 from hmdwarp.image.usable import LEVELS
+from hmdwarp.pipeline.levels import QualityLevel
 
 SIZE = (48, 32)
 FOV = Fov.symmetric(1.2, 0.95)
@@ -29,12 +30,12 @@ def test_levels_are_usable_and_each_takes_longer_and_errs_less():
 
 
 @pytest.mark.parametrize("fill", ["pyramid", "memory+pyramid"])
-def test_it_is_the_chosen_level_bit_for_bit(tmp_path, fill, gpu):
-    """The best of a bench within an ample budget; levels that need a server are left out."""
-    rows = [a_row("none", "none", 1.0, 0.3), a_row("iterative", fill, 2.0, 0.1), a_row("model", "none", 3.0, 0.05)]
-    bench = a_bench(tmp_path / "bench.json", rows)
+def test_it_is_the_chosen_level_bit_for_bit(monkeypatch, fill, gpu):
+    """The best within an ample budget."""
+    levels = QualityLevel("none", "none", 1.0, 0.3), QualityLevel("iterative", fill, 2.0, 0.1)
+    monkeypatch.setattr("hmdwarp.image.warper.LEVELS", levels)
     with (
-        Warper(SIZE, warp="auto", budget_ms=AMPLE_MS, bench=bench, gpu=gpu) as chosen,
+        Warper(SIZE, warp="auto", budget_ms=AMPLE_MS, gpu=gpu) as chosen,
         Warper(SIZE, fill=fill, gpu=gpu) as named,
     ):
         for eye in (0, 1, 0):
@@ -42,15 +43,6 @@ def test_it_is_the_chosen_level_bit_for_bit(tmp_path, fill, gpu):
             assert np.array_equal(one.colour, other.colour) and one.hole_share == other.hole_share
         assert str(chosen.plan.choice) == "iterative"
         assert set(one.time_ms) == set(other.time_ms)
-    alone = warp_image(*picture(), LATE, NOW, "auto", budget_ms=AMPLE_MS, bench=bench, gpu=gpu)
-    assert "auto" in alone.time_ms and np.array_equal(alone.colour, named_first(fill, gpu))
-
-
-def named_first(fill: str, gpu) -> np.ndarray:
-    return warp_image(*picture(), LATE, NOW, "iterative", fill, gpu=gpu).colour
-
-
-def test_what_it_cannot_do_is_said(tmp_path, gpu):
-    bench = a_bench(tmp_path / "bench.json", [a_row("model", "none", 3.0, 0.05)])
-    with pytest.raises(InputError, match="enough for none of its levels"):
-        Warper(SIZE, warp="auto", budget_ms=5.0, bench=bench, gpu=gpu)
+    alone = warp_image(*picture(), LATE, NOW, "auto", budget_ms=AMPLE_MS, gpu=gpu)
+    named_alone = warp_image(*picture(), LATE, NOW, "iterative", fill, gpu=gpu)
+    assert "auto" in alone.time_ms and np.array_equal(alone.colour, named_alone.colour)
