@@ -393,7 +393,9 @@ class Search:
 
     def _factors(self, start: Reading, middle: float) -> list[float]:
         """Return factors that give `middle` an inverse depth at which pictures shift visibly."""
-        moved = self.moved_m(start)
+        place = start.poses(self.stated)[1]
+        # How far the eye moves between two compared frames.
+        moved = float(np.median(np.linalg.norm(np.diff(place[self.coarse.pairs], axis=1), axis=-1)))
         if not moved > 0:
             return []
         left, right = self.stated.tangents[0, :2]
@@ -410,23 +412,16 @@ class Search:
 
     # What has a number that the fine pictures tell.
 
-    def moved_m(self, reading: Reading) -> float:
-        """Return how far the eye moves between two compared frames, in the median."""
-        place = reading.poses(self.stated)[1]
-        return float(np.median(np.linalg.norm(np.diff(place[self.coarse.pairs], axis=1), axis=-1)))
-
-    def span(self, reading: Reading) -> float:
-        """Return what the inverse depth of the median pixel is over that of the farthest."""
-        base = self.stated.coarse.inverse if reading.kind == METRES else self.stated.coarse.numbers
-        return abs(float(np.median(_near(base - reading.end)) * reading.factor))
-
     def farthest(self, reading: Reading) -> float:
         """Return the inverse depth that all but a few pixels exceed, without the offset."""
         return abs(float(np.percentile(_near(self.stated.coarse.inverse), 5) * reading.factor))
 
     def steps(self, reading: Reading) -> dict[str, float]:
         """Return the numbers that may be fitted, each with a small difference."""
-        steps = {"factor": 1e-3, "offset": 1e-3 * self.span(reading), "along": 0.02, "pixel_x": 0.05, "pixel_y": 0.05}
+        base = self.stated.coarse.inverse if reading.kind == METRES else self.stated.coarse.numbers
+        # What the inverse depth of the median pixel is over that of the farthest.
+        span = abs(float(np.median(_near(base - reading.end)) * reading.factor))
+        steps = {"factor": 1e-3, "offset": 1e-3 * span, "along": 0.02, "pixel_x": 0.05, "pixel_y": 0.05}
         steps |= {"wide_x": 2e-3, "wide_y": 2e-3, WIDE: 2e-3, "depth_wide": 2e-3, "bend": 5e-3}
         steps |= {**dict.fromkeys(TURN, 1e-3), **dict.fromkeys(DEPTH_SHIFT, 0.05)}
         if self.stated.interval_s is not None:

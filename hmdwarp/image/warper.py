@@ -6,10 +6,9 @@ import atexit
 import threading
 import warnings
 import weakref
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from functools import partial
-from itertools import cycle
 from numbers import Integral, Real
 from types import MappingProxyType
 from typing import Any, NoReturn
@@ -21,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import report
 from ..client import Compensator, PassInputs
-from ..client.plan import OTHERS, SHOWN_DEPTH, Plan, needs_of
+from ..client.plan import OTHERS, Plan, needs_of
 from ..colour import srgb8_from_linear
 from ..errors import InputError, in_brief
 from ..frames import EyeImage
@@ -82,7 +81,7 @@ class WarpedImage:
     # brought the pixel there was a guess: its confidence.
     coverage: NDArray[np.float32]
     # Milliseconds by stage name, "upload", "download" and "host" (all else) included: their sum is
-    # the call. Of a chain each fill has its own, such as "fill memory".
+    # the call.
     time_ms: dict[str, float]
     hole_share: float  # share of pixels without coverage after the warp and before the fill
     encoding: str = LINEAR  # of the colour: "srgb8" (uint8), "srgb" (float32, 0 to 1) or "linear" (float32)
@@ -299,7 +298,9 @@ class Warper:
             warnings.warn(note, stacklevel=3)
         with gpu.timer.cpu_stage("download"):
             arrays = self._give_out.arrays(buffers)
-        whole_ms, times = gpu.timer.lap_ms, self._summed(gpu.timer.collect())
+        whole_ms, times = gpu.timer.lap_ms, dict[str, float]()
+        for stage, milliseconds in gpu.timer.collect():
+            times[stage] = times.get(stage, 0.0) + milliseconds
         times["host"] = max(whole_ms - sum(times.values()), 0.0)  # their sum is the call
         return WarpedImage(arrays["colour"], arrays["coverage"], times, share, kind, arrays.get("depth_m"))
 
@@ -362,18 +363,6 @@ class Warper:
     def plan(self) -> Plan:
         """The passes that run; for warp "auto" those chosen on the first picture."""
         return self._plan
-
-    def _summed(self, stages: Iterable[tuple[str, float]]) -> dict[str, float]:
-        """Return milliseconds by stage name, all pictures of a plan together; see WarpedImage."""
-        names = [f"fill {choice.entry.name}" for choice in self.plan.fills] if len(self.plan.fills) > 1 else ["fill"]
-        if len(names) > 1 and self.plan.warps_twice:
-            fills_depth = any(step.stage == "fill" and SHOWN_DEPTH in step.writes for step in self.plan.steps)
-            names = ["fill depth", *names] if fills_depth else names
-        fills, total = cycle(names), dict[str, float]()
-        for stage, milliseconds in stages:
-            name = next(fills) if stage == "fill" else stage
-            total[name] = total.get(name, 0.0) + milliseconds
-        return total
 
     def close(self) -> None:
         """Free all textures and buffers; nothing after the first time, and in a forked process."""

@@ -9,7 +9,6 @@ import subprocess
 import sys
 import threading
 
-import mirror_wall
 import moderngl
 import numpy as np
 import pytest
@@ -169,13 +168,6 @@ def test_by_default_unrelated_pictures_know_nothing_of_each_other(gpu):
         after = warper.warp(dark, depth, view(), aside)
     alone = warp_image(dark, depth, view(), aside, gpu=gpu)
     assert after.hole_share > 0.2 and (after.colour == alone.colour).all()
-
-
-@pytest.mark.parametrize("fill", ["memory+pyramid", "memory+interpolate+pyramid"])
-def test_times_name_each_fill(gpu, fill):
-    fills = {f"fill {name}" for name in fill.split("+")}
-    with Warper(SIZE, warp="iterative", fill=fill, gpu=gpu) as warper:
-        assert set(warper.warp(*picture(0), view(), view((0.1, 0, 0))).time_ms) == {*STAGES, *fills}
 
 
 def test_a_warper_warns_once(gpu):
@@ -398,21 +390,3 @@ def test_arguments_that_do_not_fit_are_refused(gpu):
         if not set(warps.get(name).reads_for(warps.get(name).Settings())) <= set(AVAILABLE):
             with pytest.raises(PlanError, match="Usable are warps"):
                 Warper(SIZE, warp=name, fill="none", gpu=gpu)
-
-
-def test_reflections_are_found_in_further_pictures(gpu):
-    """A mirror whose image is known: with three more pictures the result is nearer to the truth."""
-    views = (mirror_wall.STRAIGHT, *mirror_wall.OTHERS, mirror_wall.SHOWN)
-    pictures = [mirror_wall.picture(view, 0.5) for view in views]
-    (colour, depth), *rest = [(each[0][::-1, :, :3].astype(np.float32), 1 / each[1][::-1]) for each in pictures]
-    others, truth = [(*each, one) for each, one in zip(rest[:-1], views[1:], strict=False)], rest[-1][0]
-    ends = {"rendered": views[0], "shown": views[-1]}
-    with Warper(mirror_wall.SIZE, effects="reflections_from_pictures", gpu=gpu) as warper:
-        found = warper.warp(colour, depth, **ends, others=others).colour
-        with pytest.raises(InputError, match="effect 'reflections_from_pictures' reads other pictures: give others="):
-            warper.warp(colour, depth, **ends)
-    once = warp_image(colour, depth, **ends, effects="reflections_from_pictures", others=others, gpu=gpu).colour
-    assert np.array_equal(found, once)
-    plain = warp_image(colour, depth, **ends, gpu=gpu).colour
-    inner = np.s_[24:-24, 24:-24]
-    assert np.abs(found - truth)[inner].mean() < 0.6 * np.abs(plain - truth)[inner].mean()
