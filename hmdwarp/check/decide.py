@@ -513,8 +513,8 @@ def _finding(search: Search, best: Reading, name: str, untold: str) -> Finding:
     elif convention.numbers and name != "ray":
         numbers, steps = convention.numbers, search.steps(best)
         # Unless it is part of what is found, numbers that are known too roughly do not tell.
-        is_part = (name == "pixel" and "centre" in differ) or (name == "centre" and "pixel" in differ)
-        if not is_part and not ("encoding" in differ and name in ("scale", "planes")):
+        is_part = {"pixel", "centre"} <= {name, *differ} or ("encoding" in differ and name in ("scale", "planes"))
+        if not is_part:
             unit = {"offset": 1e3 * steps["offset"], "late_s": stated.interval_s or 1.0}
             errors = search.fitted(best, numbers).error if {*numbers} <= {*steps} else {"": math.inf}
             told = all(error / unit.get(number, 1.0) <= convention.vague for number, error in errors.items())
