@@ -93,15 +93,10 @@ def test_right_vectors_of_fine_detail_without_antialiasing_are_right(gpu):
     assert check_motion(given(frames, made.arrays_of(frames, EXTENSION))).verdict == "right"
 
 
-def as_if(turns: bool = True, moves: bool = True):
-    """Vectors of a camera alone, that only turns or only moves."""
-
-    def vectors(now, before, _):
-        then = View(Pose((before if moves else now).view.pose.position_m,
-                         (before if turns else now).view.pose.orientation_xyzw), now.view.fov)  # fmt: skip
-        return ndc(now.view, now.now) - ndc(then, then.pose.inverse().transform(now.view.pose.transform(now.now)))
-
-    return vectors
+def as_if(now, before, _):
+    """Vectors of a camera alone."""
+    seen = now.view.pose.transform(now.now)
+    return ndc(now.view, now.now) - ndc(now.view, before.view.pose.inverse().transform(seen))
 
 
 def other_lens(now, before, _):
@@ -130,21 +125,18 @@ def jittered(times):
     return lambda now, before, right: right + np.append(2 * times * (now.jitter - before.jitter) / SIZE, 0)
 
 
-ALL, HALF = slice(None), (slice(LOW[1] // 2), slice(LOW[0] // 2))
+HALF = slice(LOW[1] // 2), slice(LOW[0] // 2)
 # What is wrong, the scenes that show it, and what it makes of a frame, the one before, and right
 # vectors; of two that lead further back, the vectors before too.
 FAULTS = {
-    "the camera alone": ("playroom parade skinned", as_if()),
-    "the objects alone": ("playroom parade", lambda *of: np.where(of[0].moves[..., None], of[2] - as_if()(*of), 0)),
-    "the camera's turn alone": ("parade", as_if(moves=False)),
-    "the camera's way alone": ("skinned", as_if(turns=False)),
+    "the camera alone": ("playroom parade skinned", as_if),
+    "the objects alone": ("playroom parade", lambda *of: np.where(of[0].moves[..., None], of[2] - as_if(*of), 0)),
     "what stands still left cleared": ("parade", moving(lambda *_: 0)),
     "no clear at all": ("skinned", moving(lambda now, before, right: np.roll(right, 40, 1) / 2)),
     "the sky left cleared": ("parade", lambda now, _, right: np.where((now.inverse_depth > 0)[..., None], right, 0)),
     "an overlay that writes zeros": ("skinned", within(slice(80, None), slice(40, 120), lambda right: 0)),
     "a half picture read as a full one": ("playroom", within(*HALF, lambda right: right[::2, ::2])),
-    "a quarter read as the whole": ("parade", within(ALL, ALL, lambda right: right[HALF].repeat(2, 0).repeat(2, 1))),
-    "a sub-image six pixels off": ("parade", lambda *of: np.roll(of[2], (6, 6), (0, 1))),
+    "a picture six pixels off": ("parade", lambda *of: np.roll(of[2], (6, 6), (0, 1))),
     "rows upside down": ("parade", lambda *of: of[2][::-1]),
     "x and y exchanged": ("skinned", lambda *of: of[2][..., [1, 0, 2]]),
     "half as much again": ("parade", lambda *of: 1.5 * of[2]),

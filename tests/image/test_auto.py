@@ -34,15 +34,13 @@ def test_it_is_the_chosen_level_bit_for_bit(monkeypatch, fill, gpu):
     """The best within an ample budget."""
     levels = QualityLevel("none", "none", 1.0, 0.3), QualityLevel("iterative", fill, 2.0, 0.1)
     monkeypatch.setattr("hmdwarp.image.warper.LEVELS", levels)
-    with (
-        Warper(SIZE, warp="auto", budget_ms=AMPLE_MS, gpu=gpu) as chosen,
-        Warper(SIZE, fill=fill, gpu=gpu) as named,
-    ):
+    auto = {"warp": "auto", "budget_ms": AMPLE_MS, "gpu": gpu}
+    with Warper(SIZE, **auto) as chosen, Warper(SIZE, fill=fill, gpu=gpu) as named:
         for eye in (0, 1, 0):
             one, other = (warper.warp(*picture(), LATE, NOW, eye=eye) for warper in (chosen, named))
             assert np.array_equal(one.colour, other.colour) and one.hole_share == other.hole_share
         assert str(chosen.plan.choice) == "iterative"
         assert set(one.time_ms) == set(other.time_ms)
-    alone = warp_image(*picture(), LATE, NOW, "auto", budget_ms=AMPLE_MS, gpu=gpu)
+    alone = warp_image(*picture(), LATE, NOW, **auto)
     named_alone = warp_image(*picture(), LATE, NOW, "iterative", fill, gpu=gpu)
     assert "auto" in alone.time_ms and np.array_equal(alone.colour, named_alone.colour)

@@ -69,9 +69,6 @@ def test_effects_of_a_scene_stay_refused(picture, gpu):
         warp_image(*picture, HERE, HERE, age_s=np.inf, gpu=gpu)
 
 
-# --- panels ---------------------------------------------------------------------------------------
-
-
 VIEW = View(Pose((0.0, 1.6, 0.0)), Fov.from_tangents((-0.64, 0.64, -0.48, 0.48)))
 SHOWN = attrs.evolve(VIEW, pose=Pose((0.1, 1.6, 0.0)))
 GREY = np.full((48, 64, 3), 99, np.uint8)
