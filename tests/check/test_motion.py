@@ -86,14 +86,10 @@ def test_each_convention_is_named_from_four_frames(true, scene):
 
 
 def test_right_vectors_of_fine_detail_without_antialiasing_are_right(gpu):
-    """Edges of few pixels jump by half a pixel from frame to frame; no two frames agree on it.
-
-    Without jitter, its place in the vectors cannot be told.
-    """
+    """Edges of few pixels jump by half a pixel. Without jitter its place cannot be told."""
     server = Server(gpu, load_scene("room"))
-    frames = made.true_frames(
-        server, made.walking_head((0.2, 1.5, 0.2)), [k * STEP_NS for k in range(5, 9)], np.zeros((4, 2))
-    )
+    head, times = made.walking_head((0.2, 1.5, 0.2)), [k * STEP_NS for k in range(5, 9)]
+    frames = made.true_frames(server, head, times, np.zeros((4, 2)))
     server.close()
     answer = check_motion(given(frames, made.arrays_of(frames, EXTENSION)))
     assert answer.verdict == "right" and [one.told for one in answer.findings] == [True, True, True, False]
