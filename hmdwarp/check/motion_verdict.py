@@ -330,8 +330,9 @@ class Pair:
         here = self.uv - now if off else self.uv
         way = self.vectors[..., :2] * (1 if convention.sign == _FORWARD else -1)
         way = way * (1, 1 if convention.y == DOWN else -1)
+        factor: Any = {NDC: 0.5, UV: 1.0, PIXELS: 1 / np.array(self.now.size)}[convention.unit]
         with np.errstate(all="ignore"):
-            then = here - way * {NDC: 0.5, UV: 1.0, PIXELS: 1 / np.array(self.now.size)}[convention.unit]
+            then = np.asarray(here - way * factor, np.float64)
         return then + before if off else then
 
 
