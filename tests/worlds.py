@@ -19,10 +19,11 @@ from hmdwarp.geometry import Fov, Pose, View, face_views
 from hmdwarp.geometry.cube import FACES
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download, flip_rows
 
-PICTURED = ("mesh", "mesh_adaptive", "splat")
+PICTURED = ("layered", "mesh", "mesh_adaptive", "multi", "splat")
 """Warps without a twin: golden pictures hold them, tests/client/test_contract.py.
 
-What a rasteriser does at edges, or a footprint, would be the same route again in float64.
+What a rasteriser does at edges, a footprint, or a search in several pictures would be the same
+route again in float64.
 """
 
 
@@ -267,7 +268,7 @@ class World:
     def asked(self, settings: object) -> TwinInputs:
         return TwinInputs(
             self.colour, self.inverse_depth, self.rendered_view, self.shown_view, self.shown_size,
-            client_inverse_depth=self.client, layers=self.layers, cube=self.cube, others=self.others, settings=settings,
+            client_inverse_depth=self.client, cube=self.cube, settings=settings,
             sampler_pixels=self.sampler_pixels,
         )  # fmt: skip
 

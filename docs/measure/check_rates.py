@@ -66,7 +66,7 @@ def results(recorded: list[Recording], cases: int, faults: int = 1) -> Iterator[
         answer = check(Stated(wrong))
         named = [finding.name for finding in answer.findings if not finding.as_stated]
         left = [finding.name for finding in answer.findings if not finding.told]
-        told = answer.agree and answer.is_told
+        told = answer.is_told
         off = off_px(right, wrong, answer.reading, "rows up" in names) if told else math.inf
         yield Result(" + ".join(names), named if told else [], left, told, off)
 

@@ -37,21 +37,14 @@ def measured(size: tuple[int, int], rounds: int, gpu: Gpu) -> dict[str, float]:
         passes = Compensator(gpu, warper.plan, None, size, size)
         own = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
         upload(own[0], rng.random((high, wide, 4), np.float32)), upload(own[1], np.full((high, wide), 0.5, np.float32))
-        other = gpu.gl.texture(size, 4), gpu.gl.texture(size, 1, dtype="f4")
-        other[0].write(rng.integers(0, 255, (high, wide, 4), np.uint8).tobytes())
-        other[1].write(depth_m.astype(np.float32).tobytes())
-        foreign = {"depth_as": "metres", "encoding": "srgb"}
         calls: dict[str, Callable[[], object]] = {
             "the passes alone": lambda: passes.run(PassInputs(EyeImage(LATE, *own), NOW, 0)),
             "`warp_textures`, read where they are": lambda: warper.warp_textures(*own, LATE, NOW),
-            "`warp_textures`, taken over: sRGB bytes, metres": lambda: warper.warp_textures(
-                *other, LATE, NOW, **foreign
-            ),
             "`warp`, arrays": lambda: warper.warp(colour, depth_m, LATE, NOW),
         }
         took = in_turns(gpu, calls, rounds, clock=time.thread_time_ns, warm=WARM, waits=False)
         passes.close()
-        for texture in (*own, *other):
+        for texture in own:
             texture.release()
     return {name: float(np.median(each)) for name, each in took.items()}
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import attrs
 import numpy as np
 
+from ..poses.assumptions import Assumption, assumption_rows
 from .stated_frames import BUFFER, METRES, Reading, Stated, eye_axes
 
 _SAME_UNIT = 0.06  # difference of the logarithms within which a scale is that of a unit
@@ -32,11 +34,60 @@ class Convention:
     label: str
     needs: str  # the frames that show it
     fields: tuple[str, ...]  # the parts of a reading that state it
-    # What is fitted for it, and the standard error beyond which it is unknown: of the factor's
-    # logarithm; of the offset, in the median; of the way along the ray; in pixels; in frames.
+    # What is fitted for it, the least difference with a name, and the standard error beyond which
+    # it is unknown: of a factor's logarithm; of the way along the ray; in pixels; in frames; of the
+    # offset, in what is farthest, and in the median.
     numbers: tuple[str, ...] = ()
+    least: float = 0.0
     vague: float = math.inf
     plain: str = "as stated"  # its value in words, where a reading does not differ
+
+
+@attrs.frozen
+class Finding:
+    """What the frames say about one convention."""
+
+    name: str
+    label: str
+    value: str  # what was found, or what is stated where it cannot be told
+    as_stated: bool
+    told: bool
+    margin: float | None = None  # standard errors by which the nearest other reading is worse; None for numbers
+    why: str = ""  # why it cannot be told; "" where it can
+
+
+@attrs.frozen(eq=False, repr=False)
+class Answer:
+    """What is wrong, or that it cannot be told: headline, findings and code are one decision."""
+
+    verdict: str  # "right", "wrong" (of what, the headline may tell), "no agreement" or "cannot be told"
+    headline: str  # the verdict in one sentence
+    reading: Any  # the Reading, or Convention of motion vectors, under which the frames agree best
+    findings: Sequence[Finding] = ()  # one for each convention; none without agreement
+    is_told: bool = False  # whether the best reading is the only one that explains the frames, and nearly all
+    as_good: Sequence[str] = ()  # what it may be, where frames do not tell: each explains them as well
+    code: Sequence[str] = ()  # the lines that read such frames right; none where the cause is not known
+    frames: int = 0
+    figures: Mapping[str, float] = attrs.field(factory=dict)  # how well they agree, by name
+    assumptions: Sequence[Assumption] = ()  # how a folder was read
+    notes: Sequence[str] = ()  # what its depth suggests
+
+    def __repr__(self) -> str:
+        return f"<Answer {self.headline}>"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what `--json` prints."""
+        return {
+            "verdict": self.verdict,
+            "told": self.is_told,
+            "frames": self.frames,
+            **self.figures,
+            "conventions": [attrs.asdict(finding) for finding in self.findings],
+            "as_good": list(self.as_good),
+            "code": list(self.code),
+            "assumptions": assumption_rows(self.assumptions),
+            "notes": list(self.notes),
+        }
 
 
 def differences(reading: Reading) -> tuple[str, ...]:
@@ -123,16 +174,18 @@ CONVENTIONS = {
     "axes": Convention("axes", _POSES_DIFFER, ("axes",), plain=""),
     "rows": Convention("rows", _ROWS, ("colour_rows_up", "depth_rows_up"), plain=""),
     "eyes": Convention("eyes", _EYES, ("eyes_swapped",), plain="as named"),
-    "ray": Convention("depth along", f"{_APART}, or a wider view", ("along",), ("along",), 0.2, "-z"),
+    "ray": Convention("depth along", f"{_APART}, or a wider view", ("along",), ("along",), 0.5, 0.2, "-z"),
     "encoding": Convention("depth encoding", _APART, _DEPTH, plain="distance"),
-    "planes": Convention("near and far", f"{_APART}, with things near and far", ("offset",), ("factor", "offset"), 0.1),
-    "scale": Convention("depth scale", _APART, _DEPTH, ("factor",), 0.1),
-    "focal": Convention(
-        "field of view", "a head that turns far, both ways, and moves ahead or back", _WIDE, _WIDE, 0.05
+    "planes": Convention(
+        "near and far", f"{_APART}, with things near and far", ("offset",), ("factor", "offset"), 0.05, 0.1
     ),
-    "centre": Convention("principal point", "frames that roll, or approach something", _PIXELS, _PIXELS, 5.0),
-    "pixel": Convention("pixel centres", "frames that roll or approach", _PIXELS, _PIXELS, 0.15),
-    "time": Convention("time of the pose", _TIME, ("late_s",), ("late_s",), 0.15, "that of the picture"),
+    "scale": Convention("depth scale", _APART, _DEPTH, ("factor",), 0.05, 0.1),
+    "focal": Convention(
+        "field of view", "a head that turns far, both ways, and moves ahead or back", _WIDE, _WIDE, 0.015, 0.05
+    ),
+    "centre": Convention("principal point", "frames that roll, or approach something", _PIXELS, _PIXELS, 0.75, 5.0),
+    "pixel": Convention("pixel centres", "frames that roll or approach", _PIXELS, _PIXELS, 0.25, 0.15),
+    "time": Convention("time of the pose", _TIME, ("late_s",), ("late_s",), 0.1, 0.15, "that of the picture"),
 }
 
 

@@ -5,16 +5,14 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from functools import cached_property
 from typing import Any
 
 import attrs
 import numpy as np
 
 from ..errors import listed
-from ..poses.assumptions import assumption_rows
 from . import conventions
-from .conventions import CONVENTIONS, differences, restored, value
+from .conventions import CONVENTIONS, Answer, Finding, differences, restored, value
 from .search import (
     DEPTH_SHIFT,
     LOGARITHMS,
@@ -32,6 +30,7 @@ from .search import (
 )
 from .stated_frames import Array, Reading, Stated
 
+PLAIN = Reading()  # as stated
 CLOSE = 0.05  # share of the depth within which two depths agree
 _WELL, _ENOUGH = 0.85, 0.6  # of the depths agree: what is left are small numbers; one convention explains the frames
 AGREE = 0.5  # share of the depths: below it, frames do not agree
@@ -86,7 +85,7 @@ def check(stated: Stated) -> Answer:
     Answer
         The verdict, what is found of each convention, and the code that reads such frames right.
     """
-    search, plain = Search(stated), Reading()
+    search, plain = Search(stated), PLAIN
     tried = [plain, *search.discrete(plain)]
     well = agreement(search, search.best(tried)) >= _WELL
     tried += _best_of(search, search.usual_numbers(plain)[:1])
@@ -99,7 +98,7 @@ def check(stated: Stated) -> Answer:
             tried += [search.fitted(reading, ("factor", "offset")).reading for reading in encoded]
         if not explains(search, search.best(tried)):
             tried += _two(search, plain)
-    readings = list(dict.fromkeys([*(fitted.reading for fitted in _close(search, tried)), plain]))
+    readings = list(dict.fromkeys([*_close(search, tried), plain]))
     noise = Noise.of(search.fine.residuals(readings[0]))
     numbers = _NumberSearch(search, _simplest(search, _candidates(search, readings, noise)), readings)
     best, rivals, besides = numbers.found()
@@ -127,27 +126,22 @@ def check(stated: Stated) -> Answer:
         )
     if best.changes > _MOST_CHANGES:  # with so many, others may do as well
         besides = tuple(dict.fromkeys((*differences(best.reading), *besides)))
-    shares = explained(search, best.reading), explained(search, plain)
-    faults: tuple[str, ...] = ()
-    if agreement(search, best.reading) >= AGREE:
-        faults = standing(search, numbers.noise, best, _numbers_of(best.reading), _without_numbers(best.reading))
-    return Answer(search, best, rivals, besides, faults, shares)
+    return _answer(search, best, rivals, besides, numbers.noise)
 
 
 def _candidates(search: Search, readings: Sequence[Reading], noise: Noise) -> list[Candidate]:
     return [search.candidate(Fitted(reading), noise) for reading in readings]
 
 
-def _close(search: Search, found: Sequence[Reading]) -> list[Fitted]:
+def _close(search: Search, found: Sequence[Reading]) -> list[Reading]:
     """Return the few best readings of the coarse pictures, numbers fitted."""
-    kept: list[Fitted] = []
+    kept: list[Reading] = []
     least = 0.0
     for reading in sorted(dict.fromkeys(found), key=search.score, reverse=True):
         if len(kept) == _KEPT or search.score(reading) < least:
             break
-        names = _numbers_of(reading)
-        fitted = search.fitted(reading, names) if names else Fitted(reading)
-        if all(matters(search, name, fitted.reading) for name in numbered(fitted.reading)):
+        fitted = search.fitted(reading, _numbers_of(reading)).reading
+        if all(matters(search, name, fitted) for name in numbered(fitted)):
             least = least or _NEAR_BEST * search.score(reading)
             kept.append(fitted)
     return kept
@@ -199,19 +193,10 @@ def _two(search: Search, plain: Reading) -> list[Reading]:
 
 
 # What is fitted for each; half a pixel is a principal point too.
-FITTED = {
-    "ray": ("along",),
-    "scale": ("factor",),
-    "planes": ("factor", "offset"),
-    "focal": ("wide_x", "wide_y"),
-    "centre": ("pixel_x", "pixel_y"),
-    "time": ("late_s",),
-}
-_DECIDES = {**{numbers: numbers for numbers in FITTED.values()}, ("factor", "offset"): ("offset",)}
+FITTED = {name: one.numbers for name, one in CONVENTIONS.items() if one.numbers and name != "pixel"}
 _SECOND = 4  # times as sure: a number may stand in for what another convention leaves
 _NO_WORSE = 2.0  # standard errors of the cost, which says less than the fitted number itself
-# Below these a number is as stated; pixels, or a share of the width.
-_SCALE, _OFFSET, _LATE, _WIDE, _CENTRE_PX, _CENTRE = 0.05, 0.05, 0.1, 0.015, 0.75, 0.005
+_CENTRE = 0.005  # of the width: a principal point that is off by less is as stated
 _MOST = 0.95  # of the inverse depth of what is farthest: a far plane beyond it moves it by less
 
 
@@ -227,21 +212,23 @@ def _without_numbers(reading: Reading) -> Reading:
     return reading
 
 
+def _off(reading: Reading, number: str, base: Reading = PLAIN) -> float:
+    """Return by how much a number is not that of the base: of LOGARITHMS, by which."""
+    now, then = (np.asarray(getattr(which, number) or 0.0) for which in (reading, base))
+    return float(np.abs(np.log(np.abs(now / then)) if number in LOGARITHMS else now - then).max())
+
+
 def matters(search: Search, name: str, found: Reading) -> bool:
     """Return whether a number differs so much from what is stated that it has a name."""
-    if name == "ray":
-        return found.along > 0.5
-    if name == "focal":
-        return max(abs(math.log(found.wide_x)), abs(math.log(found.wide_y))) > _WIDE
-    if name == "centre":
-        least = max(_CENTRE_PX, _CENTRE * search.stated.frames[0].depth.shape[1])
-        return found.is_half_a_pixel or max(abs(found.pixel_x), abs(found.pixel_y)) > least
-    if name == "time":
-        assert search.stated.interval_s is not None
-        return abs(found.late_s) > _LATE * search.stated.interval_s
+    least = CONVENTIONS[name].least
     if name == "planes":
-        return _OFFSET * search.farthest(found) < abs(found.offset) and found.offset > -_MOST * search.farthest(found)
-    return abs(math.log(found.factor)) > _SCALE
+        farthest = search.farthest(found)
+        return least * farthest < abs(found.offset) and found.offset > -_MOST * farthest
+    if name == "centre":
+        least = 0.0 if found.is_half_a_pixel else max(least, _CENTRE * search.stated.frames[0].depth.shape[1])
+    if name == "time":
+        least *= search.stated.interval_s or 0.0
+    return max(_off(found, number) for number in FITTED[name]) > least
 
 
 class _NumberSearch:
@@ -287,9 +274,9 @@ class _NumberSearch:
 
         Heads that never look up or down leave one of the two undetermined.
         """
-        if "focal" not in numbered(best.reading) or not best.fitted.names:
+        if "focal" not in numbered(best.reading) or not best.error:
             return best
-        names = (*(name for name in best.fitted.names if name not in FITTED["focal"]), WIDE)
+        names = (*(name for name in best.error if name not in FITTED["focal"]), WIDE)
         wide = best.reading.wide_x, best.reading.wide_y
         starts = (attrs.evolve(best.reading, wide_x=one, wide_y=one) for one in wide)
         one = min((self._candidate(self.search.fitted(start, names)) for start in starts), key=lambda one: one.total)
@@ -337,18 +324,14 @@ class _NumberSearch:
         )
 
     def _is_known(self, one: Candidate, needed: float) -> bool:
-        names, search = numbered(one.reading), self.search
-        known = (matters(search, name, one.reading) and self._sureness(one, name) > needed for name in names)
+        names = numbered(one.reading)
+        known = (matters(self.search, name, one.reading) and self._sureness(one, name) > needed for name in names)
         return bool(names) and all(known)
 
     def _sureness(self, one: Candidate, name: str) -> float:
         """Return by how many standard errors a convention is not as stated."""
-        error = dict(zip(one.fitted.names, one.fitted.error, strict=True))
-        each = []
-        for number in _DECIDES[FITTED[name]]:
-            now, then = (getattr(which, number) for which in (one.reading, self.base))
-            off = math.log(now / then) if number in LOGARITHMS else now - then
-            each.append(float(abs(off) / error[number]))
+        numbers = [number for number in FITTED[name] if number in CONVENTIONS[name].fields]
+        each = [_off(one.reading, number, self.base) / one.error[number] for number in numbers]
         return min(each) if name == "centre" and one.reading.is_half_a_pixel else max(each)
 
     def _model(self, names: tuple[str, ...]) -> Candidate:
@@ -361,8 +344,7 @@ class _NumberSearch:
         return self._models[names]
 
     def _fit(self, start: Reading, names: Sequence[str]) -> Fitted:
-        numbers = dict.fromkeys(itertools.chain(self._always, *(FITTED[name] for name in names)))
-        return self.search.fitted(start, tuple(numbers)) if numbers else Fitted(start)
+        return self.search.fitted(start, (*self._always, *itertools.chain(*(FITTED[name] for name in names))))
 
     def _candidate(self, fitted: Fitted) -> Candidate:
         return self.search.candidate(fitted, self.noise)
@@ -377,7 +359,6 @@ _OF_FAULT = {
     "depth of other optics than the colour": {"depth_wide": 0.02, **dict.fromkeys(DEPTH_SHIFT, 0.75)},
     "depth of another scale in each frame": {"scales": 0.01},
 }
-FAULTS = ("depth that is cut off", *_OF_FAULT)
 _SHIFTS = (-0.1, -0.05, 0.0, 0.05, 0.1)  # where a fit begins; shifts of the depth in shares of the width
 _STARTS = {**dict.fromkeys(TURN, (-0.12, 0.0, 0.12)), "bend": (-0.2, 0.0, 0.2), "depth_wide": (0.85, 1.0, 1.18)}
 _SURELY = 14.0  # standard errors of the answer's numbers, with a fault fitted beside them
@@ -390,56 +371,42 @@ def explained(search: Search, reading: Reading) -> float:
     return agree / max(agree + behind, 1)
 
 
-def standing(search: Search, noise: Noise, best: Candidate, own: tuple[str, ...], base: Reading) -> tuple[str, ...]:
-    """Return those of FAULTS that explain what a reading leaves, or the frames as well as it.
-
-    own, base: the numbers of the reading, and the reading with them as stated.
-    """
-    found = [words for words, least in _OF_FAULT.items() if _stands(search, noise, best, own, base, least)]
-    if search.stated.may_be_buffer or (not best.changes and explained(search, best.reading) >= EXPLAINED):
-        return tuple(found)
-    depths = [frame.depth[np.isfinite(frame.depth) & (frame.depth != 0)] for frame in search.stated.frames]
-    most = (1 - _AT_MOST) * max(float(depth.max()) for depth in depths)
-    is_cut = float(np.median([float((depth > most).mean()) for depth in depths])) > _CUT_OFF
-    return (*FAULTS[: int(is_cut)], *found)
-
-
-def _stands(
-    search: Search, noise: Noise, best: Candidate, own: tuple[str, ...], base: Reading, least: dict[str, float]
-) -> bool:
-    width = search.stated.frames[0].depth.shape[1]
-    # A turn of a degree is half a pixel, which is the more common.
-    named = {name: limit * (1 + ("pixel" in differences(best.reading))) for name, limit in least.items()}
+def standing(search: Search, noise: Noise, best: Candidate) -> list[str]:
+    """Return those of FAULTS that explain what a reading leaves, or the frames as well as it."""
+    width, reading, found = search.stated.frames[0].depth.shape[1], best.reading, []
+    own, base = _numbers_of(reading), _without_numbers(reading)
+    if not search.stated.may_be_buffer and (best.changes or explained(search, reading) < EXPLAINED):
+        depths = [frame.depth[np.isfinite(frame.depth) & (frame.depth != 0)] for frame in search.stated.frames]
+        most = (1 - _AT_MOST) * max(float(depth.max()) for depth in depths)
+        is_cut = float(np.median([float((depth > most).mean()) for depth in depths])) > _CUT_OFF
+        found += ["depth that is cut off"] if is_cut else []
     starts = _STARTS | dict.fromkeys(DEPTH_SHIFT, tuple(at * width for at in _SHIFTS)) | {"scales": ((),)}
-    values = itertools.product(*(starts[name] for name in least))
-    tried = (attrs.evolve(base, **dict(zip(least, one, strict=True))) for one in values)
-    begun = [min(tried, key=lambda one: search.candidate(Fitted(one), noise).total)]
-    if "depth_wide" in least:  # a shift of the depth alone looks like a principal point that is off
-        begun.append(attrs.evolve(base, depth_x=-best.reading.pixel_x, depth_y=-best.reading.pixel_y))
-    instead = [_fitted(search, one, tuple(least)) for one in begun]
-    beside = [_fitted(search, one, (*least, *own)) for one in (best.reading, *(found.reading for found in instead))]
-    gains = []
-    for one in beside:
-        found = [search.fine.residuals(reading) for reading in (best.reading, one.reading)]
-        known = ~np.isnan(found[0].depth + found[1].depth)  # elsewhere in the picture of depth are other gaps
-        before, after = (search.fine.by_block(np.where(known, cost(each, noise), np.nan))[0] for each in found)
-        gains.append(before - after)
-    nearest = int(np.argmax([gain.sum() for gain in gains]))
-    both, leaves = beside[nearest], standard_errors(gains[nearest])
-    sure = [off / error for name in own if name in both.names for off, error in [_off(both, name)]]
-    is_doubtful = max(sure, default=math.inf) < _SURELY and any(_has_a_name(one, named) for one in instead)
-    return is_doubtful or (leaves > SURE and _has_a_name(both, named))
-
-
-def _off(found: Fitted, name: str) -> tuple[float, float]:
-    """Return by how much a number is not as stated, and its standard error."""
-    value = np.asarray(getattr(found.reading, name))
-    off = np.abs(np.log(np.abs(value)) if name in LOGARITHMS else value).max()
-    return float(off), dict(zip(found.names, found.error, strict=True)).get(name, 0.0)
+    for words, least in _OF_FAULT.items():
+        values = itertools.product(*(starts[name] for name in least))
+        tried = (attrs.evolve(base, **dict(zip(least, one, strict=True))) for one in values)
+        begun = [min(tried, key=lambda one: search.candidate(Fitted(one), noise).total)]
+        if "depth_wide" in least:  # a shift of the depth alone looks like a principal point that is off
+            begun.append(attrs.evolve(base, depth_x=-reading.pixel_x, depth_y=-reading.pixel_y))
+        instead = [_fitted(search, one, tuple(least)) for one in begun]
+        gains = []
+        for start in (reading, *(one.reading for one in instead)):
+            both = _fitted(search, start, (*least, *own))
+            two = [search.fine.residuals(one) for one in (reading, both.reading)]
+            known = ~np.isnan(two[0].depth + two[1].depth)  # elsewhere in the picture of depth are other gaps
+            before, after = (search.fine.by_block(np.where(known, cost(each, noise), np.nan))[0] for each in two)
+            gains.append((before - after, both))
+        gain, both = max(gains, key=lambda one: float(one[0].sum()))
+        # A turn of a degree is half a pixel, which is the more common.
+        named = {name: limit * (1 + ("pixel" in differences(reading))) for name, limit in least.items()}
+        sure = [_off(both.reading, name) / both.error[name] for name in own if name in both.error]
+        is_doubtful = max(sure, default=math.inf) < _SURELY and any(_has_a_name(one, named) for one in instead)
+        if is_doubtful or (standard_errors(gain) > SURE and _has_a_name(both, named)):
+            found.append(words)
+    return found
 
 
 def _has_a_name(found: Fitted, least: dict[str, float]) -> bool:
-    return any(off > max(most, SURE * error) for name, most in least.items() for off, error in [_off(found, name)])
+    return any(_off(found.reading, name) > max(most, SURE * found.error.get(name, 0)) for name, most in least.items())
 
 
 def _fitted(search: Search, reading: Reading, names: tuple[str, ...]) -> Fitted:
@@ -457,200 +424,101 @@ def _fitted(search: Search, reading: Reading, names: tuple[str, ...]) -> Fitted:
     return Fitted(attrs.evolve(reading, scales=tuple((scales - scales.mean()).tolist())))
 
 
-@attrs.frozen
-class Finding:
-    """What the frames say about one convention."""
+def _answer(
+    search: Search, best: Candidate, rivals: Sequence[Candidate], besides: Sequence[str], noise: Noise
+) -> Answer:
+    """Decide whether the best reading is told, and put it into words.
 
-    name: str
-    label: str
-    value: str  # what was found, or what is stated where it cannot be told
-    as_stated: bool
-    told: bool
-    margin: float | None = None  # standard errors by which the nearest other reading is worse; None for numbers
-    why: str = ""  # why it cannot be told; "" where it can
-
-
-@attrs.frozen(eq=False)
-class Answer:
-    """What is wrong, or that it cannot be told: headline, findings and code are one decision."""
-
-    search: Search
-    best: Candidate
-    rivals: tuple[Candidate, ...] = ()  # readings with as few other changes under which the frames agree as well
-    # Conventions of which one or more differ besides, where no reading of them was found.
-    besides: tuple[str, ...] = ()
-    faults: tuple[str, ...] = ()  # faults that are no convention and explain as much, or what the best reading leaves
-    # Shares of the depths that the best reading explains, and what is stated.
-    explained: tuple[float, float] = (1.0, 1.0)
-
-    def __repr__(self) -> str:
-        return f"<Answer {self.headline}>"
-
-    @property
-    def is_told(self) -> bool:
-        """Whether the best reading is the only one that explains the frames, and nearly all."""
-        share, stated = self.explained
-        enough = not self.best.changes or share >= max(EXPLAINED, stated - _LESS) or 1 - share < _LEFT * (1 - stated)
-        return not self.rivals and not self.besides and not self.faults and enough
-
-    @property
-    def causes(self) -> tuple[tuple[str, ...], ...]:
-        """The conventions that differ: of the best reading first, then of its rivals."""
-        return tuple(dict.fromkeys(differences(possible.reading) for possible in (self.best, *self.rivals)))
-
-    @property
-    def reading(self) -> Reading:
-        """The reading under which the frames agree best."""
-        return self.best.reading
-
-    @cached_property
-    def findings(self) -> tuple[Finding, ...]:
-        """One for each convention."""
-        return tuple(_finding(self, name) for name in CONVENTIONS)
-
-    @property
-    def as_good(self) -> tuple[str, ...]:
-        """What it may be, where frames do not tell: each explains them as well."""
-        ways = [] if self.is_told else [one.reading for one in (self.best, *self.rivals)]
-        stated = self.search.stated
-        words = (
-            [f"{CONVENTIONS[name].label}: {value(one, stated, name)}" for name in differences(one)] for one in ways
-        )
-        return tuple(map(listed, words))
-
-    @property
-    def code(self) -> tuple[str, ...]:
-        """The lines that read such frames right; none where the cause is not known."""
-        return tuple(conventions.code(self.reading, self.search.stated)) if self.is_told else ()
-
-    @cached_property
-    def agreement_stated(self) -> float:
-        """Share of the depths in view of two frames that agree within 5 %, as stated."""
-        return agreement(self.search, Reading())
-
-    @cached_property
-    def agreement(self) -> float:
-        """The same under the best reading."""
-        return agreement(self.search, self.reading)
-
-    @cached_property
-    def likeness(self) -> float:
-        """Correlation of their brightness where depths agree."""
-        return likeness(self.search, self.reading)
-
-    @property
-    def agree(self) -> bool:
-        """Whether the frames agree under the best reading."""
-        return self.agreement >= AGREE and self.likeness >= ALIKE
-
-    @property
-    def verdict(self) -> str:
-        """Return "right", "wrong" (of what, the decision may tell), or "no agreement"."""
-        if not self.agree:
-            return "no agreement"
-        return "wrong" if differences(self.reading) or self.besides or self.faults else "right"
-
-    @property
-    def headline(self) -> str:
-        """The verdict in one sentence."""
-        frames, share = f"{len(self.search.stated.frames)} frames", f"{100 * self.agreement:.0f} %"
-        if self.verdict == "right":
-            return f"right: {frames} agree as they are stated, in {share} of the depths that two of them show"
-        if self.verdict == "wrong":
-            cause = f": {_labels(differences(self.reading))}"
-            if not self.is_told:
-                cause = f", and the cause cannot be told: {untold(self)}"
-            return (
-                f"wrong{cause}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree "
-                f"as stated, {share} as found ({frames})"
-            )
+    rivals: readings with as few other changes under which the frames agree as well. besides:
+    conventions of which one or more differ too, where no reading of them was found.
+    """
+    stated, reading, plain = search.stated, best.reading, PLAIN
+    share, share_stated, alike = agreement(search, reading), agreement(search, plain), likeness(search, reading)
+    # Shares of the depths in view of two frames that agree within 5 %, as stated and under the best
+    # reading, and the correlation of their brightness there.
+    figures = {"agreement_stated": share_stated, "agreement": share, "likeness": alike}
+    about: Any = {"frames": len(stated.frames), "figures": figures}
+    about |= {"assumptions": stated.assumptions, "notes": stated.notes}
+    frames, found, stated_so = f"{len(stated.frames)} frames", f"{100 * share:.0f} %", f"{100 * share_stated:.0f} %"
+    if share < AGREE or alike < ALIKE:
         but, expected = "however they are read", "a scene that stands still, seen from places nearby"
-        if self.agreement >= _WELL:
+        if share >= _WELL:
             but, expected = "but not in colour", "pictures of the same things, with detail that can be compared"
-        return (
-            f"no agreement: {frames} agree in {share} of the depths that two of them show, {but}; expected {expected}"
-        )
-
-    def as_json(self) -> dict[str, Any]:
-        """Return what `--json` prints."""
-        return {
-            "verdict": self.verdict,
-            "told": self.agree and self.is_told,
-            "frames": len(self.search.stated.frames),
-            "agreement_stated": self.agreement_stated,
-            "agreement": self.agreement,
-            "likeness": self.likeness,
-            "conventions": [attrs.asdict(finding) for finding in self.findings] if self.agree else [],
-            "as_good": list(self.as_good),
-            "code": list(self.code) if self.agree else [],
-            "assumptions": assumption_rows(self.search.stated.assumptions),
-            "notes": list(self.search.stated.notes),
-        }
-
-
-def untold(answer: Answer) -> str:
-    """Return what it may be, where frames do not tell, and what it is not."""
-    if answer.besides and not answer.faults:
-        named = dict.fromkeys([*(name for names in answer.causes for name in names), *answer.besides])
-        return f"more than one of {_labels(tuple(named))} differs, or something else does"
-    causes = [*(_labels(names) for names in answer.causes if names), *answer.faults]
-    share, excluded = answer.explained, [one for one in FAULTS if one not in answer.faults]
-    few = "" if share[0] >= EXPLAINED else " (explains {:.1%} of the depths that nothing hides, {:.1%} as stated)"
-    return f"{' or '.join(causes)}{few.format(*share)}{f'; excluded: {listed(excluded)}' if excluded else ''}"
+        headline = f"no agreement: {frames} agree in {found} of the depths that two of them show, {but}; "
+        headline += f"expected {expected}"
+        return Answer("no agreement", headline, reading, **about)
+    # Faults that are no convention, and explain as much, or what the best reading leaves.
+    faults = standing(search, noise, best)
+    known, known_stated = explained(search, reading), explained(search, plain)
+    enough = known >= max(EXPLAINED, known_stated - _LESS) or 1 - known < _LEFT * (1 - known_stated)
+    is_told = not (rivals or besides or faults) and (enough or not best.changes)
+    causes = list(dict.fromkeys(differences(one.reading) for one in (best, *rivals)))
+    names = tuple(dict.fromkeys([*itertools.chain(*causes), *besides]))
+    if besides and not faults:
+        untold = f"more than one of {_labels(names)} differs, or something else does"
+    else:
+        untold = " or ".join([*(_labels(cause) for cause in causes if cause), *faults])
+        if known < EXPLAINED:
+            untold += f" (explains {known:.1%} of the depths that nothing hides, {known_stated:.1%} as stated)"
+    is_right = not (best.changes or besides or faults)
+    headline = f"right: {frames} agree as they are stated, in {found} of the depths that two of them show"
+    if not is_right:
+        cause = f": {_labels(differences(reading))}" if is_told else f", and the cause cannot be told: {untold}"
+        headline = f"wrong{cause}. Of the depths that two frames show, {stated_so} agree as stated, {found} as found "
+        headline += f"({frames})"
+    ways = [] if is_told else [one.reading for one in (best, *rivals)]
+    as_good = (
+        listed([f"{CONVENTIONS[name].label}: {value(one, stated, name)}" for name in differences(one)]) for one in ways
+    )
+    return Answer(
+        "right" if is_right else "wrong",
+        headline,
+        reading,
+        [_finding(search, reading, name, "" if is_told or name not in names else untold) for name in CONVENTIONS],
+        is_told,
+        list(as_good),
+        [*conventions.code(reading, stated)] if is_told else [],
+        **about,
+    )
 
 
 def _labels(names: Sequence[str]) -> str:
     return listed([CONVENTIONS[name].label for name in names])
 
 
-def _finding(answer: Answer, name: str) -> Finding:
-    """Return what the answer says of a convention, or whether frames show it as stated."""
-    search, best, convention = answer.search, answer.reading, CONVENTIONS[name]
-    stated, differ = search.stated, differences(best)
-    found = Finding(name, convention.label, value(best, stated, name), name not in differ, True)
-    if not answer.is_told and name in {*itertools.chain(*answer.causes), *answer.besides}:
-        why = f"{untold(answer).partition('; excluded')[0]}; it takes {convention.needs}"
-        return attrs.evolve(found, value=value(Reading(), stated, name), as_stated=True, told=False, why=why)
-    score, *scores = (
-        search.coarse.by_block(np.nan_to_num(search.coarse.score(one)))[0]
-        for one in (best, *_others(search, best, name))
-    )
-    margin = min((standard_errors(score - other) for other in scores), default=None)
-    if name in differ:
-        return attrs.evolve(found, margin=margin if margin is not None and margin >= SURE else None)
-    told = margin is None or margin >= SURE
-    if convention.numbers and name != "ray":
-        known = {name, *differ}
-        # Whether it is part of what is found.
-        is_part = {"pixel", "centre"} <= known or ("encoding" in known and name in ("scale", "planes"))
-        told = is_part or not _is_vague(search, best, name)
-    elif name == "eyes":
-        told = told and stated.other_eye is not None
-    why = "" if told else f"other values explain them as well; it takes {convention.needs}"
-    return attrs.evolve(found, margin=margin, told=told, why=why)
-
-
-def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
-    """Yield the readings in which one convention is another one."""
+def _finding(search: Search, best: Reading, name: str, untold: str) -> Finding:
+    """Return what is found of a convention. untold: why the best reading does not tell it."""
+    stated, convention, differ = search.stated, CONVENTIONS[name], differences(best)
+    takes = f"it takes {convention.needs}"
+    if untold:
+        return Finding(name, convention.label, value(PLAIN, stated, name), True, False, why=f"{untold}; {takes}")
+    # The nearest readings in which the convention is another one.
     if name == "ray":
-        yield attrs.evolve(best, along=0.0 if best.along else 1.0)
-    elif name == "encoding" or CONVENTIONS[name].numbers:
-        if name in differences(best):
-            yield conventions.restored(best, name)
+        others = [attrs.evolve(best, along=0.0 if best.along else 1.0)]
+    elif name == "encoding" or convention.numbers:
+        others = [restored(best, name)] if name in differ else []
     else:
-        for near in search.discrete(best):
-            if set(differences(near)) ^ set(differences(best)) <= {name} and near.along == best.along:
-                before, after = (value(which, search.stated, name) for which in (best, near))
-                if before != after:
-                    yield near
-
-
-def _is_vague(search: Search, best: Reading, name: str) -> bool:
-    """Return whether frames tell a number too roughly, or not at all."""
-    numbers, steps = CONVENTIONS[name].numbers, search.steps(best)
-    if not set(numbers) <= set(steps):
-        return True
-    fitted = search.fitted(best, numbers)
-    unit = {"offset": 1e3 * steps["offset"], "late_s": search.stated.interval_s or 1.0}
-    errors = (float(error) / unit.get(key, 1.0) for key, error in zip(fitted.names, fitted.error, strict=True))
-    return max(errors) > CONVENTIONS[name].vague
+        others = [
+            near
+            for near in search.discrete(best)
+            if {*differences(near)} ^ {*differ} <= {name}
+            and near.along == best.along
+            and value(near, stated, name) != value(best, stated, name)
+        ]
+    score, *scores = (search.coarse.by_block(np.nan_to_num(search.coarse.score(one)))[0] for one in (best, *others))
+    margin = min((standard_errors(score - other) for other in scores), default=None)
+    is_ahead, told = margin is None or margin >= SURE, True
+    if name in differ:
+        margin = margin if is_ahead else None
+    elif convention.numbers and name != "ray":
+        numbers, steps = convention.numbers, search.steps(best)
+        # Unless it is part of what is found, numbers that are known too roughly do not tell.
+        is_part = {"pixel", "centre"} <= {name, *differ} or ("encoding" in differ and name in ("scale", "planes"))
+        if not is_part:
+            unit = {"offset": 1e3 * steps["offset"], "late_s": stated.interval_s or 1.0}
+            errors = search.fitted(best, numbers).error if {*numbers} <= {*steps} else {"": math.inf}
+            told = all(error / unit.get(number, 1.0) <= convention.vague for number, error in errors.items())
+    else:
+        told = is_ahead and (name != "eyes" or stated.other_eye is not None)
+    why = "" if told else f"other values explain them as well; {takes}"
+    return Finding(name, convention.label, value(best, stated, name), name not in differ, told, margin, why)

@@ -17,7 +17,7 @@ class CheckOptions(Declared):
 
     frames: tuple[Path, ...] = option(
         attrs.NOTHING,
-        "A folder of recorded frames, two of the left and the right eye, or two or more files of one frame.",
+        "A folder of recorded frames, or two: of the left and the right eye.",
         kind=list,
         metavar="FRAMES",
         positional=True,

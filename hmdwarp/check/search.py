@@ -163,12 +163,10 @@ class Overlap:
 
 @attrs.frozen(eq=False)
 class Fitted:
-    """A reading, and how well each fitted number is known; by default none is."""
+    """A reading, and the standard error of each fitted number: inf where the frames say nothing."""
 
     reading: Reading
-    names: tuple[str, ...] = ()
-    # Standard error of each, inf where the frames say nothing.
-    error: Array = attrs.field(factory=lambda: np.empty(0))
+    error: dict[str, float] = attrs.field(factory=dict)
 
 
 @attrs.frozen
@@ -249,7 +247,7 @@ def fit(overlap: Overlap, start: Reading, steps: dict[str, float]) -> Fitted:
     inverse = np.linalg.pinv(hessian)
     error = np.sqrt(np.diag(inverse @ (spread.T @ spread + prior) @ inverse))
     error = np.where(np.diag(hessian - prior) * small**2 > _SMALL, error, math.inf)
-    return Fitted(changed(start, names, change.tolist()), names, error)
+    return Fitted(changed(start, names, change.tolist()), dict(zip(names, error.tolist(), strict=True)))
 
 
 PAIRS, _COARSE_POINTS, FINE_POINTS = 16, 160, 400  # compared pairs of frames; points of each
@@ -272,13 +270,9 @@ _OFFSETS = (-0.6, -0.3, -0.15, 0.15, 0.3, 0.6)  # of the inverse depth, in its m
 class Candidate:
     """A reading, and how it does on the fine pictures."""
 
-    fitted: Fitted
+    reading: Reading
+    error: dict[str, float]  # as Fitted has it
     cost: Array  # of each block
-
-    @property
-    def reading(self) -> Reading:
-        """The reading itself."""
-        return self.fitted.reading
 
     @cached_property
     def changes(self) -> int:
@@ -399,7 +393,9 @@ class Search:
 
     def _factors(self, start: Reading, middle: float) -> list[float]:
         """Return factors that give `middle` an inverse depth at which pictures shift visibly."""
-        moved = self.moved_m(start)
+        place = start.poses(self.stated)[1]
+        # How far the eye moves between two compared frames.
+        moved = float(np.median(np.linalg.norm(np.diff(place[self.coarse.pairs], axis=1), axis=-1)))
         if not moved > 0:
             return []
         left, right = self.stated.tangents[0, :2]
@@ -416,23 +412,16 @@ class Search:
 
     # What has a number that the fine pictures tell.
 
-    def moved_m(self, reading: Reading) -> float:
-        """Return how far the eye moves between two compared frames, in the median."""
-        place = reading.poses(self.stated)[1]
-        return float(np.median(np.linalg.norm(np.diff(place[self.coarse.pairs], axis=1), axis=-1)))
-
-    def span(self, reading: Reading) -> float:
-        """Return what the inverse depth of the median pixel is over that of the farthest."""
-        base = self.stated.coarse.inverse if reading.kind == METRES else self.stated.coarse.numbers
-        return abs(float(np.median(_near(base - reading.end)) * reading.factor))
-
     def farthest(self, reading: Reading) -> float:
         """Return the inverse depth that all but a few pixels exceed, without the offset."""
         return abs(float(np.percentile(_near(self.stated.coarse.inverse), 5) * reading.factor))
 
     def steps(self, reading: Reading) -> dict[str, float]:
         """Return the numbers that may be fitted, each with a small difference."""
-        steps = {"factor": 1e-3, "offset": 1e-3 * self.span(reading), "along": 0.02, "pixel_x": 0.05, "pixel_y": 0.05}
+        base = self.stated.coarse.inverse if reading.kind == METRES else self.stated.coarse.numbers
+        # What the inverse depth of the median pixel is over that of the farthest.
+        span = abs(float(np.median(_near(base - reading.end)) * reading.factor))
+        steps = {"factor": 1e-3, "offset": 1e-3 * span, "along": 0.02, "pixel_x": 0.05, "pixel_y": 0.05}
         steps |= {"wide_x": 2e-3, "wide_y": 2e-3, WIDE: 2e-3, "depth_wide": 2e-3, "bend": 5e-3}
         steps |= {**dict.fromkeys(TURN, 1e-3), **dict.fromkeys(DEPTH_SHIFT, 0.05)}
         if self.stated.interval_s is not None:
@@ -442,12 +431,13 @@ class Search:
     def fitted(self, start: Reading, names: Sequence[str]) -> Fitted:
         """Return the reading with these numbers as the pictures have them."""
         steps = {name: step for name, step in self.steps(start).items() if name in names}
-        found = fit(self.middle, start, steps)
-        return found if self.fine is self.middle else fit(self.fine, found.reading, steps)
+        found = fit(self.middle, start, steps) if steps else Fitted(start)
+        return found if not steps or self.fine is self.middle else fit(self.fine, found.reading, steps)
 
     def candidate(self, fitted: Fitted, noise: Noise) -> Candidate:
         """Return the reading with its disagreement, block by block."""
-        return Candidate(fitted, self.fine.by_block(cost(self.fine.residuals(fitted.reading), noise))[0])
+        costs = self.fine.by_block(cost(self.fine.residuals(fitted.reading), noise))[0]
+        return Candidate(fitted.reading, fitted.error, costs)
 
 
 def standard_errors(apart: Array) -> float:

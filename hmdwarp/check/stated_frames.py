@@ -12,20 +12,17 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..colour import srgb8_from_linear
 from ..errors import InputError
 from ..geometry import View
 from ..poses.assumptions import Assumption
 from ..poses.reading.axes import parse_axes
 from ..sources import sequences
 from ..sources.sequences import RecordedFrame, SequenceOptions
-from ..sources.sequences.recorded import in_metres
 
 Array = NDArray[np.float64]
 LEFT, RIGHT = 0, 1
 MOST = 24  # frames that are compared
 _APART_NS = 10**8  # between two of them, where there are more
-_FILES = (".npz", ".exr", ".png")
 _TRACK, _UNSTEADY = 5, 0.15  # fewest frames with a curve; how far they may lie off it, in their motion
 COARSE_PX = 96  # width of the pictures on which the conventions are told apart
 _FINE_BLUR, _COARSE_BLUR = (0.7, 6.0), (0.8, 8.0)  # pixels: detail below is noise, shade above is exposure
@@ -198,8 +195,8 @@ def read_stated(paths: Sequence[Path], options: SequenceOptions | None = None) -
     Parameters
     ----------
     paths : sequence of Path
-        A folder, two folders (left and right eye; assumptions and notes are those of the first), or
-        files. Of more than 24 frames, those where the camera moves most.
+        A folder, or two (left and right eye; assumptions and notes are those of the first). Of more
+        than 24 frames, those where the camera moves most.
     options : SequenceOptions, optional
         Facts that the files do not say.
 
@@ -208,12 +205,8 @@ def read_stated(paths: Sequence[Path], options: SequenceOptions | None = None) -
     InputError
         As sequences.open, and as Stated.
     """
-    if len(paths) > 1 and all(path.suffix.lower() in _FILES for path in paths):
-        return Stated([_of_file(path, options or SequenceOptions()) for path in paths])
     if len(paths) > 2:
-        raise InputError(
-            f"{' '.join(map(str, paths))}: expected a folder, two folders (the left and the right eye), or files"
-        )
+        raise InputError(f"{' '.join(map(str, paths))}: expected a folder, or two: of the left and the right eye")
     opened = [sequences.open(path, options) for path in paths]
     known = opened[0].assumptions, tuple(sequences.depth_notes(opened[0]))
     found = [sequence.frames for sequence in opened]
@@ -231,23 +224,6 @@ def read_stated(paths: Sequence[Path], options: SequenceOptions | None = None) -
 def _stated(frame: RecordedFrame, eye: int | None) -> StatedFrame:
     colour, depth = frame.read()
     return StatedFrame(frame.name, colour, depth.astype(np.float64), frame.view, frame.time_ns, eye)
-
-
-def _of_file(path: Path, options: SequenceOptions) -> StatedFrame:
-    found = sequences.read_frame(path)
-    scale = options.depth_scale or found.depth_scale
-    if scale is None and found.depth_m.dtype.kind != "f":
-        raise InputError(
-            f"{path}: depth is {found.depth_m.dtype}, of unknown unit: give --depth-scale, 1 to find it out"
-        )
-    colour = found.colour[..., :3]
-    if colour.dtype != np.uint8:
-        encoded = found.encoding == "srgb"
-        colour = np.rint(255 * np.clip(colour, 0, 1)).astype(np.uint8) if encoded else srgb8_from_linear(colour)
-    pictures = colour, in_metres(found.depth_m, scale or 1.0)
-    view, size = found.view, colour.shape[1::-1]
-    frame = RecordedFrame(path.name, 0, view.pose, view.fov, size, lambda: pictures).cropped(options.crop)
-    return attrs.evolve(_stated(frame, None), time_ns=None)  # a file has no instant
 
 
 def _chosen(frames: Sequence[RecordedFrame]) -> range:

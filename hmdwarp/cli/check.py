@@ -18,19 +18,11 @@ def check(said: Said) -> None:
     of view, principal point, half a pixel, time. It says what cannot be told, and prints the code
     that reads the frames right.
     """
-    from ._show import paragraph
-
     options = CheckOptions.of(said)
     if options.motion:
-        verdict = conventions.check_motion(conventions.read_motion(options.frames[0]))
-        if said["json"]:
-            typer.echo(as_json(verdict.as_json()))
-            return
-        paragraph(verdict.headline())
-        for line in verdict.lines():
-            typer.echo(line)
-        return
-    answer = conventions.check(conventions.read_stated(options.frames, options.reading))
+        answer = conventions.check_motion(conventions.read_motion(options.frames[0]))
+    else:
+        answer = conventions.check(conventions.read_stated(options.frames, options.reading))
     if said["json"]:
         typer.echo(as_json(answer.as_json()))
         return
@@ -41,22 +33,20 @@ def _print(answer: conventions.Answer) -> None:
     from ._show import paragraph
 
     paragraph(answer.headline)
-    findings = answer.findings if answer.agree else ()
-    width = max((len(finding.label) for finding in findings), default=0)
-    for finding in (finding for finding in findings if finding.told):
+    width = max((len(finding.label) for finding in answer.findings), default=0)
+    for finding in (finding for finding in answer.findings if finding.told):
         mark = "" if finding.as_stated else "  <- not as stated"
         sure = f"  ({finding.margin:.0f} standard errors ahead)" if finding.margin is not None else ""
         typer.echo(f"  {finding.label:<{width}}  {finding.value}{sure}{mark}")
-    for other in answer.as_good if answer.agree else ():
+    for other in answer.as_good:
         paragraph(f"It may be {other}")
-    for finding in (finding for finding in findings if not finding.told):
+    for finding in (finding for finding in answer.findings if not finding.told):
         paragraph(f"{finding.label} cannot be told from these frames: {finding.why}")
-    if answer.agree and answer.code:
+    if answer.code:
         typer.echo("\n".join(["Read them so:", *(f"    {line}" for line in answer.code)]))
-    stated = answer.search.stated
-    if stated.assumptions:
-        typer.echo("\n".join(["The folder was read with:", *(f"  {one}" for one in stated.assumptions)]))
-    for note in stated.notes:
+    if answer.assumptions:
+        typer.echo("\n".join(["The folder was read with:", *(f"  {one}" for one in answer.assumptions)]))
+    for note in answer.notes:
         paragraph(note)
 
 

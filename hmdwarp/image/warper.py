@@ -6,11 +6,10 @@ import atexit
 import threading
 import warnings
 import weakref
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from itertools import cycle
+from functools import partial
 from numbers import Integral, Real
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NoReturn
 
@@ -21,15 +20,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import report
 from ..client import Compensator, PassInputs
-from ..client.plan import OTHERS, SHOWN_DEPTH, Plan, needs_of
+from ..client.plan import OTHERS, Plan, needs_of
 from ..colour import srgb8_from_linear
 from ..errors import InputError, in_brief
 from ..frames import EyeImage
-from ..geometry import DepthLayer, View, metres_from_inverse_depth
+from ..geometry import View
 from ..gpu.context import Gpu, check_not_forked
-from ..gpu.textures import Canvas, Owner, check_size, download
+from ..gpu.textures import COLOUR, SCALAR, Canvas, Owner, check_size
 from ..options import AUTO
-from ..pipeline.governor import Change
+from ..pipeline.levels import check_budget
 from ..pipeline.options import DEFAULT_WARP, SINGLE_FILL
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, GiveOut, PixelBuffers, TakeIn
 from ..sources.repairs import parse_repairs
@@ -43,8 +42,8 @@ from .picture_arrays import (
     raw_picture,
     without_hidden,
 )
-from .picture_textures import INVERSE, CallerLayers, HeldPicture, converted
-from .usable import AutoCompensator, plan_of, plans_of_levels
+from .picture_textures import CallerLayers, HeldPicture
+from .usable import LEVELS, chosen, plan_of
 
 _MOST_AGE_S = 9e9  # in nanoseconds still of 64 bits
 _LARGEST, _UNIT, _HOLES = "largest", "unit", "holes"  # what a Warper warns of once
@@ -82,7 +81,7 @@ class WarpedImage:
     # brought the pixel there was a guess: its confidence.
     coverage: NDArray[np.float32]
     # Milliseconds by stage name, "upload", "download" and "host" (all else) included: their sum is
-    # the call. Of a chain each fill has its own, such as "fill memory".
+    # the call.
     time_ms: dict[str, float]
     hole_share: float  # share of pixels without coverage after the warp and before the fill
     encoding: str = LINEAR  # of the colour: "srgb8" (uint8), "srgb" (float32, 0 to 1) or "linear" (float32)
@@ -137,9 +136,9 @@ class Warper:
         with all threads, one at a time. Take `Gpu(moderngl.create_context(require=430))` for the
         OpenGL context that is current: then your textures can be read without a copy, and you bind
         your own state again after each call.
-    budget_ms, bench : float, path
-        As warp_image, for warp "auto", which keeps warp and fill within budget_ms a picture: `plan`
-        is that of the last one.
+    budget_ms : float
+        As warp_image, for warp "auto", which times its levels on the first picture and stays with
+        the best: `plan` says which.
 
     Raises
     ------
@@ -159,16 +158,21 @@ class Warper:
         depth: bool = False,
         gpu: Gpu | None = None,
         budget_ms: float | None = None,
-        bench: Path | str | None = None,
     ) -> None:
         if gpu is not None and not isinstance(gpu, Gpu):
             raise InputError(f"gpu is of type {type(gpu).__name__}: expected a hmdwarp.gpu.Gpu, as Gpu(context) is")
         self._own_gpu, self._count, self._thread = gpu, 0, threading.get_ident()
         self._warned: set[str] = set()
-        auto = plans_of_levels(bench, effects, depth, budget_ms) if isinstance(warp, str) and warp == AUTO else None
-        plans = [plan_of(warp, fill, effects, depth=depth)] if auto is None else [*auto.values()]
-        if auto is None and not (budget_ms is None and bench is None):
-            raise InputError(f"budget_ms and bench are for warp 'auto': '{warp}' takes what it takes; leave them out")
+        levels = LEVELS if isinstance(warp, str) and warp == AUTO else ()
+        auto = {level: plan_of(level.warp, level.fill, effects, depth=depth) for level in levels}
+        plans = [*auto.values()] or [plan_of(warp, fill, effects, depth=depth)]
+        if auto and budget_ms is None:
+            raise InputError("warp 'auto' keeps to a budget: give budget_ms, for the warp and fill of a picture")
+        if auto:
+            check_budget(budget_ms, "budget_ms")
+        elif budget_ms is not None:
+            raise InputError(f"budget_ms is for warp 'auto': '{warp}' takes what it takes; leave it out")
+        self._plan = plans[0]
         self._needs, self._has_depth = needs_of(plans), depth
         self._learns = any(choice.entry.remembers for plan in plans for choice in plan.fills)
         self.repair = parse_repairs(repair)
@@ -180,12 +184,9 @@ class Warper:
             self._owner = Owner()
             stack.callback(self._owner.close)
             own, sizes = self._owner.own, (self.rendered_size, self.size)
-            self._compensator: Compensator | AutoCompensator
-            if auto is None:
-                self._compensator = own(Compensator(current, plans[0], None, *sizes))
-            else:
-                self._compensator = own(AutoCompensator(current, auto, *sizes, budget_ms or 0))
-            self._layers = own(CallerLayers(current, self._needs, *sizes))
+            self._compensator = own(Compensator(current, self._plan, None, *sizes)) if not auto else None
+            self._choose = partial(chosen, current, auto, sizes, budget_ms)
+            self._layers = own(CallerLayers(current, self._needs, self.rendered_size))
             count = 1 + self._needs.others.count + self._needs.others.recent
             has_confidence = bool(self.repair.steps)
             self._pictures = [own(HeldPicture(current, self.rendered_size, has_confidence)) for _ in range(count)]
@@ -245,9 +246,8 @@ class Warper:
         eye: int = 0,
     ) -> WarpedImage:
         """Return the result, and warn in the name of the function that the caller has called."""
-        known = SRGB8, SRGB, LINEAR
-        if not is_one_of(result, known):
-            raise InputError(f"result is {in_brief(result)}: expected {', '.join(known)}, or None for the picture's")
+        if not is_one_of(result, (SRGB8, SRGB, LINEAR)):
+            raise InputError(f"result is {in_brief(result)}: expected srgb8, srgb, linear, or None for the picture's")
         if isinstance(age_s, bool) or not isinstance(age_s, Real) or not abs(age_s) <= _MOST_AGE_S:
             raise InputError(f"age_s is {in_brief(age_s)}: expected seconds from drawing the picture to showing it")
         for number, (picture, _) in enumerate(pictures):
@@ -280,6 +280,9 @@ class Warper:
         with gpu.timer.cpu_stage("upload"):
             images[0] = images[0].having(**self._layers.hold(layers))
         inputs = self._inputs(images, shown, eye, round(float(age_s) * 1e9))
+        if self._compensator is None:
+            self._compensator = self._owner.own(self._choose(inputs))
+            self._plan = self._compensator.plan
         made = self._compensator.run(inputs)
         if self._confidence is not None:
             sure = {held.pair[0]: held.sure for held in self._pictures}
@@ -295,9 +298,9 @@ class Warper:
             warnings.warn(note, stacklevel=3)
         with gpu.timer.cpu_stage("download"):
             arrays = self._give_out.arrays(buffers)
-        whole_ms, times = gpu.timer.lap_ms, self._summed(gpu.timer.collect())
-        if isinstance(self._compensator, AutoCompensator):
-            self._compensator.record(eye, times)
+        whole_ms, times = gpu.timer.lap_ms, dict[str, float]()
+        for stage, milliseconds in gpu.timer.collect():
+            times[stage] = times.get(stage, 0.0) + milliseconds
         times["host"] = max(whole_ms - sum(times.values()), 0.0)  # their sum is the call
         return WarpedImage(arrays["colour"], arrays["coverage"], times, share, kind, arrays.get("depth_m"))
 
@@ -311,63 +314,46 @@ class Warper:
     def warp_textures(
         self,
         colour: moderngl.Texture,
-        depth: moderngl.Texture,
+        inverse_depth: moderngl.Texture,
         rendered: View,
         shown: View,
         *,
-        depth_as: str | DepthLayer = INVERSE,
-        encoding: str = LINEAR,
         layers: Mapping[str, Any] = MappingProxyType({}),
         eye: int = 0,
     ) -> WarpedTextures:
-        """Return the view `shown` as textures, from textures of the same context.
-
-        Warns once of depth that is hardly in metres, as warp_image does: it is read back for the
-        first picture whose eye moves.
+        """Return the view `shown` as textures, read from textures of the same context.
 
         Parameters
         ----------
-        colour, depth : moderngl.Texture
-            Of rendered_size, rows bottom to top; `gpu.gl.external_texture` makes one of an OpenGL
-            id. Alpha is coverage: 0 is a hole. rgba16f colour in linear light beside r32f inverse
-            depth are read where they are; all else is taken over by one pass.
-        rendered, shown : View
-            As warp_image.
-        depth_as : str or DepthLayer
-            "inverse" (1/m; below 0 is none), "metres" (0 is none), or the DepthLayer of a buffer.
-        encoding : str
-            "linear", also for a texture that OpenGL decodes itself, or "srgb".
+        colour, inverse_depth : moderngl.Texture
+            Of rendered_size, rows bottom to top: rgba16f linear light, whose alpha is 0 in holes,
+            and r32f 1/m, below 0 where there is none. `gpu.gl.external_texture` makes one of an
+            OpenGL id.
+        rendered, shown, eye
+            As warp.
         layers : mapping
             "panels" alone, as warp_image; what runs on arrays has no textures.
-        eye : int
-            As warp.
 
         Raises
         ------
         InputError
-            For arguments that do not fit, for a warp that reads more than a picture with depth, and
-            for a Warper with a repair, which runs on arrays.
+            For arguments that do not fit; without gpu=; and for warp "auto", a repair or a warp of
+            several pictures, which take arrays.
         """
         views = _checked_views(rendered, shown, eye)
         self._check_others(0)
         self._layers.check(layers, f"{self._named} runs on arrays where it")
-        if isinstance(self._compensator, AutoCompensator):
-            raise InputError("warp 'auto' times pictures of warp() and submit(): name a warp for textures")
-        if self.repair.steps:
-            raise InputError(f"repair '{self.repair.text}' runs on arrays: give them to warp(), or leave it out")
-        if self._own_gpu is None:
-            raise InputError("textures belong to a context: make the Warper with gpu=, the context they are of")
+        if self._own_gpu is None or self.repair.steps or self._compensator is None:
+            raise InputError("textures are for a Warper with gpu=, the context they are of, a named warp and no repair")
+        size = self.rendered_size
+        for name, texture, kind in (("colour", colour, COLOUR), ("inverse_depth", inverse_depth, SCALAR)):
+            fits = isinstance(texture, moderngl.Texture) and texture.size == size
+            if not fits or (texture.components, texture.dtype) != kind:
+                expected = f"{kind[0]} components of type {kind[1]}, of {size[0]}x{size[1]} pixels"
+                raise InputError(f"{name} is {in_brief(texture)}: expected a moderngl.Texture of {expected}")
         with self._gpu() as gpu:
-            pair = converted(gpu, self.rendered_size, colour, depth, depth_as, encoding, self._pictures[0].pair)
-
-            def metres() -> NDArray[np.float64]:  # read back once: it waits for the GPU
-                inverse = download(pair[1])
-                return metres_from_inverse_depth(np.where(inverse >= 0, inverse, np.nan).astype(np.float64))
-
-            for note in self._unit_notes(metres, views, "a scale of {:g}"):
-                warnings.warn(note, stacklevel=2)
             self._count += 1
-            image = EyeImage(views[0], *pair, self._layers.hold(layers), drawn_ns=self._count)
+            image = EyeImage(views[0], colour, inverse_depth, self._layers.hold(layers), drawn_ns=self._count)
             made = self._compensator.run(self._inputs([image], views[1], eye))
             gpu.check_not_lost()
             assert made.shown is not None, "only a fused plan lacks it"
@@ -375,31 +361,8 @@ class Warper:
 
     @property
     def plan(self) -> Plan:
-        """The passes of the last picture."""
-        return self._compensator.plan
-
-    @property
-    def changes(self) -> tuple[Change, ...]:
-        """What warp "auto" has switched, and why."""
-        return self._compensator.changes if isinstance(self._compensator, AutoCompensator) else ()
-
-    @property
-    def time_ms(self) -> dict[str, float]:
-        """Milliseconds by stage of the pictures since this was last read; waits for the GPU."""
-        with self._gpu() as gpu:
-            return self._summed(gpu.timer.collect())
-
-    def _summed(self, stages: Iterable[tuple[str, float]]) -> dict[str, float]:
-        """Return milliseconds by stage name, all pictures of a plan together; see WarpedImage."""
-        names = [f"fill {choice.entry.name}" for choice in self.plan.fills] if len(self.plan.fills) > 1 else ["fill"]
-        if len(names) > 1 and self.plan.warps_twice:
-            fills_depth = any(step.stage == "fill" and SHOWN_DEPTH in step.writes for step in self.plan.steps)
-            names = ["fill depth", *names] if fills_depth else names
-        fills, total = cycle(names), dict[str, float]()
-        for stage, milliseconds in stages:
-            name = next(fills) if stage == "fill" else stage
-            total[name] = total.get(name, 0.0) + milliseconds
-        return total
+        """The passes that run; for warp "auto" those chosen on the first picture."""
+        return self._plan
 
     def close(self) -> None:
         """Free all textures and buffers; nothing after the first time, and in a forked process."""
@@ -440,19 +403,14 @@ class Warper:
                 largest += about_largest([picture.depth])
             self._warned.update([_LARGEST] if largest else [])
             yield from largest
-        yield from self._unit_notes(picture.metres, (rendered, shown), "depth_scale={:g}")
+        moved_m = float(np.linalg.norm(shown.pose.position_m - rendered.pose.position_m))
+        if _UNIT not in self._warned and moved_m:  # looked at once
+            self._warned.add(_UNIT)
+            yield from about_unit([picture.metres()], moved_m, "depth_scale={:g}")
         if self.plan.fills and _HOLES not in self._warned:  # where nothing fills holes, coverage tells of them
             empty = about_holes(hole_share, rendered, shown)
             self._warned.update([_HOLES] if empty else [])
             yield from empty
-
-    def _unit_notes(self, depth: Callable[[], NDArray[Any]], views: tuple[View, View], option: str) -> list[str]:
-        """Return a note on depth (metres, called for once) at the first picture whose eye moves."""
-        moved_m = float(np.linalg.norm(views[1].pose.position_m - views[0].pose.position_m))
-        if _UNIT in self._warned or not moved_m:
-            return []
-        self._warned.add(_UNIT)
-        return about_unit([depth()], moved_m, option)
 
     @property
     def _named(self) -> str:
@@ -522,7 +480,6 @@ def warp_image(
     result: str | None = None,
     depth: bool = False,
     budget_ms: float | None = None,
-    bench: Path | str | None = None,
 ) -> WarpedImage:
     """Return the view `shown`, warped from a picture with depth drawn for `rendered`.
 
@@ -545,7 +502,7 @@ def warp_image(
         a hole; what shown.hidden has is black.
     warp : str
         Name of a warp that one picture is enough for. "auto" takes the most accurate warp and fill
-        that warp and fill this picture in budget_ms.
+        that draw this picture in budget_ms; `hmdwarp choose` names one by a benchmark of yours.
     fill : str
         Name of a fill, or several with +; by default "pyramid". The "memory+pyramid" of runs would
         show one frame in the holes of another, for frames of a caller need not follow each other.
@@ -563,8 +520,8 @@ def warp_image(
         Further pictures of the scene, for warps and effects that read them: the other eye's, then
         older ones, newest first.
     layers : mapping
-        Further layers by name, for effects that read them: velocity, ids, overlay, panels;
-        docs/rgbd.md says what each holds.
+        Further layers by name, for effects that read them: velocity and panels; docs/rgbd.md says
+        what each holds.
     age_s : float
         Seconds from drawing the picture to showing it, for what moves.
     depth_scale : float, optional
@@ -579,8 +536,6 @@ def warp_image(
         Whether the result has the depth of what is shown.
     budget_ms : float, optional
         For warp "auto".
-    bench : path, optional
-        The bench.json of `hmdwarp bench` that warp "auto" chooses from; by default a few are known.
 
     Returns
     -------
@@ -601,7 +556,9 @@ def warp_image(
     own_size = pictures[0][0].size
     shown_size = own_size if size is None else checked_size(size)
     options: dict[str, Any] = {"warp": warp, "fill": fill, "effects": effects, "repair": repair, "depth": depth}
-    options |= {"budget_ms": budget_ms, "bench": bench}
-    with Warper(shown_size, rendered_size=own_size, gpu=gpu, **options) as warper, warper._gpu() as current:
+    with (
+        Warper(shown_size, rendered_size=own_size, gpu=gpu, budget_ms=budget_ms, **options) as warper,
+        warper._gpu() as current,
+    ):
         current.timer.collect()
         return warper._warped(current, pictures, shown, layers, age_s, result)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hmdwarp import Fov, InputError, Pose, View, Warper, warp_image
-from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate
+from hmdwarp import Fov, Pose, View, Warper, warp_image
 from hmdwarp.image import usable_warps
 from hmdwarp.sources.repairs import parse_repairs
 
@@ -98,10 +97,3 @@ def test_a_warper_repairs_each_picture_and_the_others():
             )
         bare = warper.warp(colour, np.where(depth > 0, depth, 3), VIEW, BESIDE, others=[(colour, depth, VIEW)])
         assert 0 < out.coverage[out.coverage > 0].min() < 1 and (bare.coverage > 0).any()
-
-
-def test_textures_are_not_repaired():
-    with Gpu() as gpu, Warper(SIZE, repair="complete", gpu=gpu) as warper:
-        colour, depth = allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR)
-        with pytest.raises(InputError, match="repair 'complete' runs on arrays"):
-            warper.warp_textures(colour, depth, VIEW, BESIDE)

@@ -9,14 +9,13 @@ import subprocess
 import sys
 import threading
 
-import mirror_wall
 import moderngl
 import numpy as np
 import pytest
 from made import counting_made
 from scipy.spatial.transform import Rotation
 
-from hmdwarp import DepthLayer, Fov, InputError, Pose, View, Warper, warp_image
+from hmdwarp import Fov, InputError, Pose, View, Warper, warp_image
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import PlanError
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, download, upload
@@ -171,26 +170,6 @@ def test_by_default_unrelated_pictures_know_nothing_of_each_other(gpu):
     assert after.hole_share > 0.2 and (after.colour == alone.colour).all()
 
 
-@pytest.mark.parametrize("fill", ["memory+pyramid", "memory+interpolate+pyramid"])
-def test_times_name_each_fill_and_sum_up_pictures(gpu, fill):
-    """What has taken as long before is counted, not replaced by what comes after it."""
-    fills = {f"fill {name}" for name in fill.split("+")}
-    with Warper(SIZE, warp="iterative", fill=fill, gpu=gpu) as warper:
-        assert set(warper.warp(*picture(0), view(), view((0.1, 0, 0))).time_ms) == {*STAGES, *fills}
-        colour, depth = (allocate(gpu.gl, SIZE, kind) for kind in (COLOUR, SCALAR))
-        gpu.timer.add("warp", 1e6)
-        for long_ms in (0, *(10.0**power for power in range(6, 6 + len(fills)))):
-            if long_ms:
-                gpu.timer.add("fill", long_ms)
-            else:
-                warper.warp_textures(colour, depth, view(), view((0.1, 0, 0)))
-        found = warper.time_ms
-        assert found.pop("warp") > 1e6 and warper.time_ms == {}
-        assert [round(np.log10(found[f"fill {name}"]), 2) for name in fill.split("+")] == [*range(6, 6 + len(fills))]
-        for texture in (colour, depth):
-            texture.release()
-
-
 def test_a_warper_warns_once(gpu):
     """Of depth in millimetres, the largest integer, and no depth, at the first such picture."""
     colour, depth = np.zeros((30, 40, 3), np.uint8), np.full((30, 40), 2000.0)
@@ -201,21 +180,6 @@ def test_a_warper_warns_once(gpu):
                 warper.warp(colour, np.full((30, 40), 65535, np.uint16), view(), view(), depth_scale=0.001)
         assert [str(warning.message)[:11] for warning in caught] == ["The nearest", "1200 pixels", "100.0 % of "]
         assert all(warning.filename == __file__ for warning in caught)
-
-
-@pytest.mark.parametrize(("depth_as", "value"), [("metres", 2000.0), ("inverse", 1 / 2000)])
-def test_a_warper_warns_of_textures_in_another_unit_and_reads_them_back_once(gpu, monkeypatch, depth_as, value):
-    read = []
-    monkeypatch.setattr("hmdwarp.image.warper.download", lambda texture: read.append(texture) or download(texture))
-    colour, depth = (allocate(gpu.gl, SIZE, kind) for kind in (COLOUR, SCALAR))
-    upload(colour, np.ones((*SIZE[::-1], 4), np.float16))
-    upload(depth, np.full(SIZE[::-1], value, np.float32))
-    with Warper(SIZE, gpu=gpu) as warper, pytest.warns(UserWarning, match="millimetres: 2 m") as caught:
-        for moved_m in (0.0, 0.05, 0.05):
-            warper.warp_textures(colour, depth, view(), view((moved_m, 0, 0)), depth_as=depth_as)
-    assert len(caught) == len(read) == 1 and caught[0].filename == __file__
-    for texture in (colour, depth):
-        texture.release()
 
 
 def test_the_depth_of_the_shown_view_comes_on_request(gpu):
@@ -233,106 +197,39 @@ def test_the_depth_of_the_shown_view_comes_on_request(gpu):
     assert warp_image(colour, np.full((30, 40), 4.0), view(), view(), gpu=gpu).depth_m is None
 
 
-def textures_of(gpu: Gpu, colour: np.ndarray, inverse: np.ndarray) -> tuple[moderngl.Texture, moderngl.Texture]:
-    size = inverse.shape[1::-1]
-    pair = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
-    upload(pair[0], colour)
-    upload(pair[1], inverse)
-    return pair
-
-
 def test_textures_are_what_arrays_are(gpu):
     """By the id alone, as a caller's own renderer has them."""
     colour, depth = picture(6)
     with np.errstate(divide="ignore"):
         inverse = np.where(depth == 0, -1, 1 / depth).astype(np.float32)
-    rgba = np.dstack([colour * (inverse >= 0)[..., None], inverse >= 0])
-    own = textures_of(gpu, rgba, inverse)
+    own = allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR)
+    upload(own[0], np.dstack([colour * (inverse >= 0)[..., None], inverse >= 0]))
+    upload(own[1], inverse)
     ids = [gpu.gl.external_texture(texture.glo, SIZE, texture.components, 0, texture.dtype) for texture in own]
     shown = view((0.1, 0, 0))
     with Warper(SIZE, fill="pyramid", depth=True, gpu=gpu) as warper:
         arrays = warper.warp(colour, depth, view(), shown)
         out = warper.warp_textures(*ids, view(), shown)
-        found = download(out.colour)
+        found, shown_inverse = download(out.colour), download(out.inverse_depth)
         assert np.array_equal(found[..., :3].astype(np.float32), arrays.colour)
         assert np.array_equal(found[..., 3].astype(np.float32), arrays.coverage)
-        assert out.inverse_depth is not None
-        shown_inverse = download(out.inverse_depth)
+        for pair in ((colour, own[1]), (own[1], own[1]), own[::-1]):
+            with pytest.raises(InputError, match="colour is .*: expected a moderngl.Texture of 4 components"):
+                warper.warp_textures(*pair, view(), view())
     known = ~np.isnan(arrays.depth_m)
     assert np.array_equal(shown_inverse < 0, ~known)
     with np.errstate(divide="ignore"):
         exact = 1 / shown_inverse.astype(np.float64)[known]
     # A division in GLSL is within 2.5 units in the last of 24 bits.
     assert arrays.depth_m[known] == pytest.approx(exact, rel=2.5 * 2**-23)
+    repairing, auto = {"repair": "complete"}, {"warp": "auto", "budget_ms": 1e6}
+    for options in ({"gpu": None}, repairing, auto):
+        with Warper(SIZE, **{"gpu": gpu, **options}) as warper, pytest.raises(InputError, match="textures are for a"):
+            warper.warp_textures(*own, view(), view())
+    with Warper(SIZE, effects="soft_motion", gpu=gpu) as warper, pytest.raises(InputError, match="runs on arrays"):
+        warper.warp_textures(*own, view(), view())
     for texture in own:
         texture.release()
-
-
-BUFFERS = {
-    "forward": DepthLayer(0, 1, 0.1, 50),
-    "reversed, infinite": DepthLayer(0, 1, float("inf"), 0.1),
-    "clip space": DepthLayer(-1, 1, 0.2, 20),
-}
-
-
-@pytest.mark.parametrize("encoding", ["linear", "srgb"])
-@pytest.mark.parametrize("form", ["inverse", "metres", *BUFFERS])
-def test_textures_in_other_forms_are_taken_over(form, encoding, gpu):
-    """Bytes of sRGB and depth of each form: the same picture as from arrays in float64."""
-    rng = np.random.default_rng(7)
-    shown_bytes = rng.integers(0, 256, (30, 40, 4), dtype=np.uint8)
-    shown_bytes[..., 3] = np.where(rng.random((30, 40)) < 0.1, 0, 255)
-    depth = rng.uniform(0.5, 15, (30, 40))
-    depth[3, 4], depth[5, 6] = np.inf, np.nan
-    layer = BUFFERS.get(form, form)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        inverse = 1 / depth
-    if isinstance(layer, DepthLayer):
-        values = np.where(np.isnan(depth), 2.0, layer.encode(np.nan_to_num(inverse)))
-        inverse = layer.inverse_depth(values)
-    else:
-        values = {"inverse": np.where(np.isnan(inverse), -1, inverse), "metres": np.nan_to_num(depth, posinf=np.inf)}[
-            form
-        ]
-    light = shown_bytes[..., :3] / 255
-    light = np.where(light <= 0.04045, light / 12.92, ((light + 0.055) / 1.055) ** 2.4) if encoding == "srgb" else light
-    colour = gpu.gl.texture(SIZE, 4, dtype="f1")
-    upload(colour, shown_bytes)
-    given = allocate(gpu.gl, SIZE, SCALAR)
-    upload(given, values.astype(np.float32))
-    with Warper(SIZE, warp="none", fill="none", depth=True, gpu=gpu) as warper:
-        out = warper.warp_textures(colour, given, view(), view(), depth_as=layer, encoding=encoding)
-        found, shown_inverse = download(out.colour).astype(np.float64), download(out.inverse_depth)
-    covered = (shown_bytes[..., 3] > 0) & ~np.isnan(inverse)
-    assert np.array_equal(found[..., 3] > 0, covered)
-    # A half keeps 11 bits, and a store may cut off the rest; the power in float32 is good to 1e-5.
-    assert found[covered][:, :3] == pytest.approx(light[covered], rel=2**-10 + 1e-5, abs=1e-7)
-    assert (found[~covered] == 0).all() and (shown_inverse[~covered] == -1).all()
-    # float32 values: a buffer's last bit is 2**-24 of its range, which spans 1/near.
-    slack = 2**-22 / min(layer.near_z, layer.far_z) if isinstance(layer, DepthLayer) else 1e-9
-    assert shown_inverse[covered] == pytest.approx(inverse[covered], rel=1e-6, abs=slack)
-    colour.release()
-    given.release()
-
-
-@pytest.mark.parametrize(("encoding", "largest", "least"), [("linear", 65504, -65504), ("srgb", 1, 0)])
-def test_what_textures_or_depth_buffers_cannot_hold_is_cut_off(encoding, largest, least, gpu):
-    """A half ends at 65504, sRGB at 0 and 1. Depth that is off by half a step of 16 bits is at its
-    plane."""
-    colour, depth = gpu.gl.texture(SIZE, 4, dtype="f4"), allocate(gpu.gl, SIZE, SCALAR)
-    upload(colour, np.broadcast_to(np.array([np.inf, -np.inf, 0.5, 1], np.float32), (*SIZE[::-1], 4)))
-    values = np.full(SIZE[::-1], 1 + 5e-6, np.float32)
-    values[0], values[1], values[2] = -5e-6, 1 + 1e-5, -1e-5
-    upload(depth, values)
-    with Warper(SIZE, warp="none", fill="none", depth=True, gpu=gpu) as warper:
-        layer = DepthLayer(0, 1, 0.125, np.inf)
-        out = warper.warp_textures(colour, depth, view(), view(), depth_as=layer, encoding=encoding)
-        light, inverse = download(out.colour)[..., :2], download(out.inverse_depth)
-    covered = np.abs(values - 0.5) < 0.5 + 8e-6
-    assert (light[covered] == (largest, least)).all() and (light[~covered] == 0).all()
-    assert (inverse == np.where(covered, np.where(values < 0, 8, 0), -1)).all()
-    colour.release()
-    depth.release()
 
 
 def test_a_context_of_its_own_belongs_to_its_thread(gpu):
@@ -385,15 +282,9 @@ def test_nothing_of_a_released_object_is_kept(gpu):
 @pytest.mark.parametrize("closed", ["Warper", "Gpu"])
 def test_a_closed_warper_is_told(closed, gpu):
     with Gpu() as own, Warper(SIZE, gpu=own) as warper, Warper(SIZE, gpu=gpu) as other:
-        pair = textures_of(own, np.ones((30, 40, 4)), np.ones((30, 40)))
         (warper if closed == "Warper" else own).close()
-        for call in (
-            lambda: warper.warp(*picture(0), view(), view()),
-            lambda: warper.warp_textures(*pair, view(), view()),
-            lambda: warper.time_ms,
-        ):
-            with pytest.raises(InputError, match="closed: make another"):
-                call()
+        with pytest.raises(InputError, match="closed: make another"):
+            warper.warp(*picture(0), view(), view())
         assert other.warp(*picture(0), view(), view()).coverage.any()
         assert other.warp(*picture(0), view(), view()).hole_share < 1
 
@@ -488,20 +379,6 @@ def test_arguments_that_do_not_fit_are_refused(gpu):
         for copied in (copy.copy, copy.deepcopy, pickle.dumps):
             with pytest.raises(InputError, match="cannot be copied or sent to another process: make one there"):
                 copied(warper)
-        own = textures_of(gpu, np.dstack([colour, np.ones((30, 40))]), np.ones((30, 40)))
-        small = gpu.gl.texture((4, 4), 4)
-        three = gpu.gl.texture(SIZE, 3)
-        for pair, more, told in (
-            ((colour, own[1]), {}, "colour is a ndarray: expected a moderngl.Texture"),
-            ((small, own[1]), {}, "colour is 4x4 pixels"),
-            ((three, own[1]), {}, "colour has 3 components"),
-            (own, {"depth_as": "millimetres"}, "depth_as is 'millimetres'"),
-            (own, {"encoding": "gamma"}, "encoding is 'gamma'"),
-        ):
-            with pytest.raises(InputError, match=told):
-                warper.warp_textures(*pair, view(), view(), **more)
-        for texture in (*own, small, three):
-            texture.release()
     with Warper(SIZE, warp="multi", fill="none", gpu=gpu) as warper:
         with pytest.raises(InputError, match="warp 'multi' reads other pictures: give others="):
             warper.warp(colour, depth, view(), view())
@@ -513,23 +390,3 @@ def test_arguments_that_do_not_fit_are_refused(gpu):
         if not set(warps.get(name).reads_for(warps.get(name).Settings())) <= set(AVAILABLE):
             with pytest.raises(PlanError, match="Usable are warps"):
                 Warper(SIZE, warp=name, fill="none", gpu=gpu)
-    with pytest.raises(InputError, match="textures belong to a context"), Warper(SIZE) as shared:
-        shared.warp_textures(None, None, view(), view())
-
-
-def test_reflections_are_found_in_further_pictures(gpu):
-    """A mirror whose image is known: with three more pictures the result is nearer to the truth."""
-    views = (mirror_wall.STRAIGHT, *mirror_wall.OTHERS, mirror_wall.SHOWN)
-    pictures = [mirror_wall.picture(view, 0.5) for view in views]
-    (colour, depth), *rest = [(each[0][::-1, :, :3].astype(np.float32), 1 / each[1][::-1]) for each in pictures]
-    others, truth = [(*each, one) for each, one in zip(rest[:-1], views[1:], strict=False)], rest[-1][0]
-    ends = {"rendered": views[0], "shown": views[-1]}
-    with Warper(mirror_wall.SIZE, effects="reflections_from_pictures", gpu=gpu) as warper:
-        found = warper.warp(colour, depth, **ends, others=others).colour
-        with pytest.raises(InputError, match="effect 'reflections_from_pictures' reads other pictures: give others="):
-            warper.warp(colour, depth, **ends)
-    once = warp_image(colour, depth, **ends, effects="reflections_from_pictures", others=others, gpu=gpu).colour
-    assert np.array_equal(found, once)
-    plain = warp_image(colour, depth, **ends, gpu=gpu).colour
-    inner = np.s_[24:-24, 24:-24]
-    assert np.abs(found - truth)[inner].mean() < 0.6 * np.abs(plain - truth)[inner].mean()

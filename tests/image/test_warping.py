@@ -175,11 +175,6 @@ def test_a_picture_that_a_fill_makes_up_is_warned_of(depth):
     assert warp_image(colour, depth_m, view(), view()).coverage.sum() == 1  # which says it: no warning
 
 
-def test_light_beyond_half_is_clipped_not_lost():
-    out = warp_image(np.full((2, 2, 3), 1e9, np.float32), np.ones((2, 2)), view(), view(), encoding="linear")
-    assert (out.colour == np.finfo(np.float16).max).all()
-
-
 def test_eight_bits_as_floats_are_refused_not_taken_as_light():
     """Whole numbers of a dark picture, and the fractions that resizing makes of a bright one."""
     rng = np.random.default_rng(23)
@@ -406,9 +401,6 @@ def test_names_are_checked():
     ):
         with pytest.raises(error, match=told):
             warp_image(*given_, *names)
-
-
-# --- several contexts and threads ---------------------------------------------------------------
 
 
 def test_threads_take_turns():
