@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import attrs
 import numpy as np
@@ -13,10 +14,7 @@ from .view import Fov, View
 _Q = math.sqrt(0.5)  # of a quarter turn
 
 
-@attrs.frozen
-class _Face:
-    """One face of the cube."""
-
+class _Face(NamedTuple):
     name: str
     column: int  # where it lies in the picture
     row: int  # 0 is the bottom row
@@ -49,10 +47,7 @@ def cube_size(fov: Fov, size: tuple[int, int]) -> tuple[int, int]:
 
 
 def face_views(view: View, side: int) -> tuple[View, ...]:
-    """Return the views of FACES, borders included, around the eye of `view`.
-
-    side: n, at least 3 pixels.
-    """
+    """Return the views of FACES, borders included, around an eye. side: at least 3 pixels."""
     edge = side / (side - 2)
     fov = Fov.from_tangents((-edge, edge, -edge, edge))
     return tuple(View(view.pose @ Pose(orientation_xyzw=face.eye_from_face), fov) for face in FACES)

@@ -21,19 +21,6 @@ Quaternion = tuple[float, float, float, float]
 MOST_M = 1e9  # of a coordinate: doubles are 0.1 um apart there; the earth's radius is 6.4e6
 
 
-def frozen(value: ArrayLike, length: int) -> Vector:
-    """Return so many finite numbers as a read-only float64 array. Errors: InputError."""
-    try:
-        array = np.array(value, dtype=np.float64)
-    except NO_NUMBERS as error:
-        raise InputError(f"expected {length} finite numbers, found {in_brief(value)}") from error
-    # The sum is quick, and finite unless an element is not; sums beyond 1e308 need a second look.
-    if array.shape != (length,) or not (math.isfinite(sum(array.tolist())) or np.isfinite(array).all()):
-        raise InputError(f"expected {length} finite numbers, found {in_brief(value)}")
-    array.setflags(write=False)
-    return array
-
-
 def real(value: float) -> float:
     """Return a number as a float. Errors: InputError."""
     try:
@@ -42,17 +29,22 @@ def real(value: float) -> float:
         raise InputError(f"expected a number, found {in_brief(value)}") from error
 
 
-def floats(value: ArrayLike) -> Vector:
+def floats(value: ArrayLike, wanted: str = "numbers") -> Vector:
     """Return numbers of any shape as a float64 array. Errors: InputError."""
     try:
         return np.asarray(value, dtype=np.float64)
     except NO_NUMBERS as error:
-        raise InputError(f"expected numbers, found {in_brief(value)}") from error
+        raise InputError(f"expected {wanted}, found {in_brief(value)}") from error
 
 
-def frozen3(value: ArrayLike) -> Vector:
-    """Return three finite numbers as a read-only float64 array. Errors: InputError."""
-    return frozen(value, 3)
+def frozen(value: ArrayLike, length: int = 3) -> Vector:
+    """Return so many finite numbers as a read-only float64 array of its own. Errors: InputError."""
+    array = np.array(floats(value, wanted := f"{length} finite numbers"))
+    # The sum is quick, and finite unless an element is not; sums beyond 1e308 need a second look.
+    if array.shape != (length,) or not (math.isfinite(sum(array.tolist())) or np.isfinite(array).all()):
+        raise InputError(f"expected {wanted}, found {in_brief(value)}")
+    array.setflags(write=False)
+    return array
 
 
 def _unit_quaternion(value: ArrayLike) -> Vector:
@@ -66,9 +58,7 @@ def _unit_quaternion(value: ArrayLike) -> Vector:
     if largest <= 1 and abs(x * x + y * y + z * z + w * w - 1) < 1e-15:
         return given
     array: Vector = given / largest  # so that neither 1e-200 nor 1e200 under- or overflows in the norm
-    array /= np.sqrt(array @ array)
-    array.flags.writeable = False
-    return array
+    return frozen(array / np.sqrt(array @ array), 4)
 
 
 # One rotation in plain floats, by SciPy's own formulas in its order of operations, so bit for bit
@@ -127,7 +117,7 @@ class Pose:
         For values that are not finite and for a zero quaternion.
     """
 
-    position_m: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3, eq=lambda place: tuple(place.tolist()))
+    position_m: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen, eq=lambda place: tuple(place.tolist()))
     orientation_xyzw: Vector = attrs.field(default=(0.0, 0.0, 0.0, 1.0), converter=_unit_quaternion, eq=False)
     # The orientation in plain floats, x y z w, as SciPy takes it: normalised once more.
     unit_quaternion: Quaternion = attrs.field(init=False, repr=False, eq=lambda q: max(q, tuple(-part for part in q)))
@@ -139,7 +129,7 @@ class Pose:
         return x / length, y / length, z / length, w / length
 
     def check_near(self, what: str) -> None:
-        """Check a pose of a user, for which pixels are drawn. Errors: InputError beyond MOST_M."""
+        """Raise InputError for a pose of a user beyond MOST_M."""
         if max(map(abs, self.position_m.tolist())) > MOST_M:
             raise InputError(f"{what}: position {self.position_m.tolist()}: expected at most {MOST_M:g} m")
 
@@ -198,9 +188,8 @@ class Pose:
     def relative_to(self, other: Pose) -> Pose:
         """Return other_from_self for two poses in the same frame, without passing its origin.
 
-        The positions are subtracted before anything is rotated, so two eyes 1 mm apart keep all
-        their digits even 1e6 m from the origin (the difference of neighbouring floats is exact,
-        Sterbenz 1974).
+        Two eyes 1 mm apart keep all their digits 1e6 m from it: positions are subtracted first
+        (exact for neighbouring floats, Sterbenz 1974).
         """
         if type(other) is not Pose:
             _check_pose(other)
@@ -236,10 +225,7 @@ class Pose:
         return float((self.rotation.inv() * other.rotation).magnitude())
 
     def isclose(self, other: Pose, atol: float = 1e-9) -> bool:
-        """Return whether both poses agree within atol (metres, and radians of the angle between).
-
-        q and -q are the same rotation.
-        """
+        """Return whether both poses agree within atol: metres, and radians of the angle between."""
         return bool(self.angle_to(other) <= atol and np.abs(self.position_m - other.position_m).max() <= atol)
 
 
@@ -252,10 +238,7 @@ _set = object.__setattr__
 
 
 def trusted_pose(position: Vector, turn: Sequence[float]) -> Pose:
-    """Return Pose(position, turn) of a new array and an already normalised quaternion.
-
-    For what is computed from poses, in half the time of Pose(): little is left to check.
-    """
+    """Return Pose(position, turn) of a new array and a normalised quaternion, in half the time."""
     x, y, z, w = turn
     length = math.sqrt(x * x + y * y + z * z + w * w)
     is_unit = max(turn) <= 1 and min(turn) >= -1 and abs(x * x + y * y + z * z + w * w - 1) < 1e-15
@@ -276,11 +259,11 @@ class RigidState:
 
     pose: Pose
     # of the body's origin
-    velocity_m_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
+    velocity_m_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen)
     # about that origin, right-handed around its direction
-    angular_velocity_rad_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
+    angular_velocity_rad_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen)
     # of the origin; gravity for thrown bodies
-    acceleration_m_s2: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
+    acceleration_m_s2: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen)
 
     def after(self, age_ns: int) -> Pose:
         """Return world_from_body `age_ns` later, at constant acceleration and angular velocity."""

@@ -31,27 +31,22 @@ HOW_TO_GET_GL = (
 def create_context(*, shared: bool = False) -> moderngl.Context:
     """Create a standalone context: through EGL without any display, else through the window system.
 
-    shared: for a runtime that shares its own with it, such as OpenXR's; then nobody is told of a
-    reset of the GPU.
-    Errors: InputError for an HMDWARP_EGL_DEVICE that names no device, MachineError naming what was
-    tried and what to install.
+    shared: as of egl.EglContext, for OpenXR. Errors: InputError for an HMDWARP_EGL_DEVICE that
+    names no device, MachineError naming what was tried and what to install.
     """
-    ways: dict[str, Callable[[], moderngl.Context]] = {}
-    if os.name == "posix":
-        ways["egl"] = partial(egl.create_context, WANTED, shared=shared)
+    ways = [] if os.name != "posix" else [("egl", partial(egl.create_context, WANTED, shared=shared))]
     if os.name != "posix" or os.environ.get("DISPLAY"):
-        ways["window system"] = partial(moderngl.create_context, standalone=True, require=WANTED)
+        ways.append(("window system", partial(moderngl.create_context, standalone=True, require=WANTED)))
     failures = []
-    for name, way in ways.items():
+    for name, way in ways:
         try:
             context = way()
+            context.gc_mode = "context_gc"
+            return context
         except InputError:
             raise
         except Exception as error:  # moderngl raises bare Exception here
             failures.append(f"{name}: {error}")
-        else:
-            context.gc_mode = "context_gc"
-            return context
     raise MachineError(f"no OpenGL {WANTED / 100:.1f} here ({'; '.join(failures)}): {HOW_TO_GET_GL}")
 
 
@@ -61,10 +56,10 @@ _process: int | None = None  # which first made a context
 
 
 def check_not_forked() -> None:
-    """Do nothing where OpenGL can be used.
+    """Raise InputError in a process forked from one that had a context.
 
-    Errors: InputError in a process forked from one that had a context. There llvmpipe waits for
-    ever for its threads, which a fork does not copy; other drivers share one state with the parent.
+    There llvmpipe waits for ever for its threads, which a fork does not copy; other drivers share
+    one state with the parent.
     """
     if _process not in (None, os.getpid()):
         raise InputError(
@@ -74,28 +69,24 @@ def check_not_forked() -> None:
 
 
 @functools.cache
-def _heap_trim() -> Callable[[int], int] | None:
-    """Return the C library's function that returns free memory to the system, None without one."""
-    return getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform == "linux" else None
+def _heap_trim() -> Callable[[int], int]:
+    """Return what gives free memory back to the system: a function of glibc, or of nothing."""
+    return getattr(ctypes.CDLL(None), "malloc_trim", int) if sys.platform == "linux" else int
 
 
 @attrs.define(eq=False)
 class _Lent:
-    """What passes of one context after the other may use, made of something that is held too."""
-
     thing: moderngl.Texture
-    source: object
+    source: object  # It is made of this, whose id must stay its own.
     users: int = 0
     last: Gpu | None = None  # The Gpu that used it last.
 
 
 @attrs.frozen(eq=False)
 class _Context:
-    """A context with what is compiled and lent in it."""
-
     gl: moderngl.Context
     shaders: ShaderLibrary
-    lent: dict[object, _Lent] = attrs.field(factory=dict)
+    lent: dict[object, _Lent] = attrs.field(factory=dict)  # For passes of one Gpu after the other.
 
 
 _idle: list[_Context] | None = None  # of closed Gpus, to be used again; None where they end
@@ -105,15 +96,12 @@ _idle: list[_Context] | None = None  # of closed Gpus, to be used again; None wh
 def contexts_kept() -> Iterator[None]:
     """Use contexts of closed Gpus again in this block, with compiled programs and lent textures."""
     global _idle  # noqa: PLW0603 (of the process, as its contexts)
-    if _idle is not None:
-        yield
-        return
-    _idle = []
+    before, _idle = _idle, [] if _idle is None else _idle
     try:
         yield
     finally:
-        left, _idle = _idle, None
-        for context in left:
+        left, _idle = _idle, before
+        for context in left if before is None else []:
             context.gl.release()
 
 
@@ -147,6 +135,7 @@ class Gpu:
         self.renderer: str = self.gl.info["GL_RENDERER"]
         self.version: str = self.gl.info["GL_VERSION"]
         self.max_texture_size: int = self.gl.info["GL_MAX_TEXTURE_SIZE"]
+        self.is_software = is_software(self.gl)  # Whether the CPU renders (llvmpipe, softpipe, SwiftShader).
         self.shaders = self._context.shaders
         self.timer = StageTimer(self.gl)
         self._reset_status = reset_status_of(self.gl)
@@ -158,16 +147,10 @@ class Gpu:
         """Whether it is closed, or of the process that this one was forked from."""
         return self._closed or self._process != os.getpid()
 
-    @property
-    def is_software(self) -> bool:
-        """Whether the CPU renders (llvmpipe, softpipe, SwiftShader)."""
-        return is_software(self.gl)
-
     def check_not_lost(self) -> None:
-        """Do nothing while the context lives; costs less than a microsecond.
+        """Raise MachineError once the driver has reset the GPU: since then it ignores every call.
 
-        It must be current. Errors: MachineError once the driver has reset the GPU: every call is
-        ignored since then, and what is read back means nothing.
+        The context must be current. Costs less than a microsecond.
         """
         reason = self._reset_status()
         if reason:
@@ -195,15 +178,10 @@ class Gpu:
                 kept.release()
 
     def give_back_memory(self) -> None:
-        """Give freed memory, of textures too, back to the system, where the CPU renders.
-
-        It takes a millisecond or two. Otherwise the C library keeps it, between blocks in use.
-        """
-        trim = _heap_trim() if self.is_software else None
-        if trim is not None:
-            # The driver frees a texture once nothing that runs reads it.
-            self.gl.finish()
-            trim(0)
+        """Give freed memory back to the system in a millisecond or two, where the CPU renders."""
+        if self.is_software:
+            self.gl.finish()  # The driver frees a texture once nothing that runs reads it.
+            _heap_trim()(0)
 
     def free_later(self, free: Callable[[], object]) -> None:
         """Call `free` when the context is next made current; for finalizers, in any thread."""
@@ -233,33 +211,23 @@ class Gpu:
                 _make_current(before)
 
     def step_aside(self) -> None:
-        """Make the previous Gpu current.
-
-        Any one thread may then use this one inside `with gpu.current():`.
-        """
+        """Make the previous Gpu current; any one thread may then use this one inside current()."""
         _make_current(self._before)
 
     def close(self) -> None:
-        """Free all resources of the context.
-
-        Does nothing after the first time, and in a forked process.
-        """
+        """Free all resources of the context, once; a forked process leaves them alone."""
         if self.closed:
             return
         before = getattr(_thread, "gpu", None)
         _make_current(self)
-        trim = _heap_trim() if self.is_software else None
         self._release()
-        if trim is not None:
-            trim(0)
+        if self.is_software:
+            _heap_trim()(0)
         self._closed, _thread.gpu = True, None
         _make_current(self._before if before is self else before)
 
     def lend(self, source: object, key: Hashable, make: Callable[[], moderngl.Texture]) -> moderngl.Texture:
-        """Return the texture made of a source, which must not change, as the key says.
-
-        All users of the context share it, and must not write into it.
-        """
+        """Return the texture made of a source as the key says, shared: neither may change."""
         lent = self._context.lent.get((id(source), key))
         if lent is None:
             lent = self._context.lent[id(source), key] = _Lent(make(), source)

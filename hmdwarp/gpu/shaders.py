@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
 from typing import Any, TypeVar
 
 import moderngl
@@ -57,25 +56,16 @@ class _Flattened:
         return _PLACE.sub(origin, message)
 
 
-def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path | None = None) -> _Flattened:
+def flatten(path: str, defines: Mapping[str, object] | None = None) -> _Flattened:
     """Return the text of shader `path` with its includes, each file once, and `defines` on top.
 
     path: relative to shaders/, or absolute for a shader of another package. `#include NAME`
     includes the file that the define NAME holds; such a define does not appear in the text.
     Errors: ShaderError for a missing file or include, naming the including line.
     """
-    defines = dict(defines or {})
-    root = root or folder("shaders")
-    out, seen = _Flattened(), set()
-
-    def add(line: str, origin: tuple[str, int]) -> None:
-        out.lines.append(line)
-        out.origins.append(origin)
-
-    def named(define: str, wanted_by: str) -> str:
-        if define not in defines:
-            raise ShaderError(f"{wanted_by} includes {define}, which no define gives a file")
-        return str(defines[define])
+    known = {key: str(value) for key, value in (defines or {}).items()}
+    told = [f"#define {key} {value}" for key, value in known.items() if not value.endswith(".glsl")]
+    out, seen, root = _Flattened([VERSION, *told], [("(defines)", 1)] * (1 + len(told))), set[str](), folder("shaders")
 
     def visit(name: str, wanted_by: str) -> None:
         if name in seen:
@@ -86,21 +76,19 @@ def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path |
         except OSError as error:
             raise ShaderError(f"shader file '{name}' included by {wanted_by}: {error.strerror}") from error
         for number, line in enumerate(text.splitlines(), start=1):
-            include = _INCLUDE.match(line)
-            if include:
-                visit(include.group(1) or named(include.group(2), f"{name}:{number}"), f"{name}:{number}")
+            if include := _INCLUDE.match(line):
+                file, define = include.groups()
+                if define and define not in known:
+                    raise ShaderError(f"{name}:{number} includes {define}, which no define gives a file")
+                visit(file or known[define], f"{name}:{number}")
             elif not line.startswith("#version"):
-                add(line, (name, number))
+                out.lines.append(line)
+                out.origins.append((name, number))
 
-    add(VERSION, ("(version)", 1))
-    for key, value in defines.items():
-        if not str(value).endswith(".glsl"):
-            add(f"#define {key} {value}", ("(defines)", 1))
     visit(path, "the program")
     return out
 
 
-_GUARD = re.compile(r"\s*#\s*(?:if|endif)")
 _UNIFORM = re.compile(r"\s*uniform\s+(float|u?int|bool|[iu]?vec[234]|mat[234](?:x[234])?)\s+([^=;]+);\s*")
 _NAME = re.compile(r"\s*(\w+)\s*(?:\[\s*(\w+)\s*\])?\s*")
 _NUMBER = re.compile(r"\s*#\s*define\s+(\w+)\s+(\d+)\s*")
@@ -120,27 +108,18 @@ class Block:
         self.packs: dict[str, Callable[..., None]] = {}  # of numbers and vectors: a third of NumPy's time
         self.data, self.texts = bytearray(_MOST_BYTES), list[str]()
         self._declared, self._numbers, self._end = dict[str, str](), dict[str, str](), 0
-        # Of each stage the lines left, and which the block precedes: that of a uniform, or its #if.
-        found: list[tuple[list[str], int | None]] = []
+        stages: list[list[str]] = []
         for flat in flats:
-            lines: list[str] = []
-            depth, outermost, place = 0, 0, None
-            for number, text in enumerate(flat.lines):
-                line, code = text, text.partition("//")[0]
-                if guard := _GUARD.match(code):
-                    outermost = outermost if depth else number
-                    depth += -1 if "endif" in guard.group() else 1
-                if (uniform := _UNIFORM.fullmatch(code)) and self._takes(*uniform.groups()):
-                    place = place if place is not None else outermost if depth else number
-                    line = ""
-                elif constant := _NUMBER.fullmatch(code):
+            stages.append([])
+            for line in flat.lines:
+                code = line.partition("//")[0]
+                if constant := _NUMBER.fullmatch(code):
                     self._numbers[constant.group(1)] = constant.group(2)
-                lines.append(line)
-            found.append((lines, place))
-        members = "; ".join(self._declared.values())
-        for lines, place in found:
-            if place is not None:
-                lines.insert(place, f"layout(std140) uniform {_BLOCK} {{ {members}; }};")
+                uniform = _UNIFORM.fullmatch(code)
+                stages[-1].append("" if uniform and self._takes(*uniform.groups()) else line)
+        for lines in stages:
+            last = max(number for number, line in enumerate(lines) if line.startswith(("#version", "#extension")))
+            lines.insert(last + 1, f"layout(std140) uniform {_BLOCK} {{ {'; '.join(self._declared.values())}; }};")
             self.texts.append("\n".join(lines) + "\n")
         self.size = self._end + -self._end % 16
 
@@ -227,15 +206,13 @@ class Uniforms:
         # Values that cannot have changed, compared by identity, which costs nothing.
         self._written: dict[str, object] = {}
         self._settled: dict[str, object] | None = None
-        # Called with a name, says whether the shader's text declares a uniform of that name.
-        self.declares = self._members.__contains__
+        self.declares = self._members.__contains__  # of a name: whether the text declares a uniform of it
 
     def set(self, **values: Any) -> None:
-        """Set numbers, vectors and matrices; float64 is rounded here, once.
+        """Set numbers, vectors and matrices, those as written in the formulas, rounded once.
 
-        Matrices are row-major NumPy, as written in the formulas. The same number, tuple or
-        read-only array as the last time is not taken again; a tuple holds numbers. What is in the
-        block goes to the GPU in one write, if it has changed.
+        The same number, tuple (of numbers) or read-only array as the last time is not taken again.
+        What is in the block goes to the GPU in one write, if it has changed.
         Errors: ShaderError for a name the shader's text lacks, and for a value that does not fit.
         """
         # One function, as a refresh sets 130 uniforms: calls within it took longer than the writes.
@@ -312,11 +289,11 @@ class Compute:
         except moderngl.Error as error:
             raise ShaderError(f"{path}: {flat.translate(str(error))}") from error
         sizes = dict(re.findall(r"local_size_([xyz])\s*=\s*(\w+)", flat.text))
-        numbers = dict(re.findall(r"#define\s+(\w+)\s+(\d+)", flat.text))
-        across, down = (str(sizes.get(axis, "1")) for axis in "xy")
+        numbers = dict(reversed(re.findall(r"#define\s+(\w+)\s+(\d+)", flat.text)))  # the first of each
+        across, down = (sizes.get(axis, "1") for axis in "xy")
         self.group = int(numbers.get(across, across)), int(numbers.get(down, down))
         self._most_groups = tuple(gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][:2])
-        self.rows = int((re.findall(r"#define\s+ROWS\s+(\d+)", flat.text) or [1])[0])
+        self.rows = int(numbers.get("ROWS", 1))
         self._grid, self._hidden, self.skips = grid, hidden, hidden is not None
         self._last: tuple[int, int, int] | None = None
         self._groups = 0, 0
@@ -338,9 +315,9 @@ class Compute:
         return partial(self.program.run, *self.groups(width, height, cell))
 
     def groups(self, width: int, height: int = 1, cell: int = 1) -> tuple[int, int]:
-        """Return the work groups of such a run; fewer for a shader with ROWS. Binds a list of them.
+        """Return the work groups of such a run; bind a list of them where it leaves out some.
 
-        Errors: InputError beyond the GL limit, where a dispatch would be dropped silently.
+        Errors: InputError beyond the GL limit, where GL would drop a dispatch silently.
         """
         if self._hidden is not None and self._grid is not None:
             view = self._hidden.views.get(self._grid, WHOLE)
@@ -366,13 +343,12 @@ class Draw:
                 gl, both, lambda vert, frag: gl.program(vertex_shader=vert, fragment_shader=frag), fragment
             )
         except moderngl.Error as error:
-            # What comes before any stage, then a stage and its part by turns: each line is of the
-            # stage that it stands under. The linker may name none.
-            before, *parts = _STAGE.split(str(error))
+            # What comes before any stage, of which a linker may name none; then each and its part.
+            told, *parts = _STAGE.split(str(error))
             stages = [stage.lower() for stage in parts[::2]]
-            told = [flats[stage].translate(part) for stage, part in zip(stages, parts[1::2], strict=True)]
-            path = vertex if stages[:1] == ["vertex"] else fragment
-            raise ShaderError(f"{path}: {before}{''.join(told)}") from error
+            for stage, part in zip(stages, parts[1::2], strict=True):
+                told += flats[stage].translate(part)
+            raise ShaderError(f"{vertex if stages[:1] == ['vertex'] else fragment}: {told}") from error
 
 
 Made = TypeVar("Made", Compute, Draw)
@@ -394,8 +370,8 @@ class ShaderLibrary:
     def compute(self, path: str, *, grid: Any = None, **defines: object) -> Compute:
         """Return the compute shader `path`: relative to shaders/, or absolute.
 
-        grid: the view (Grid) whose pixels it runs over, if it may leave out those that are hidden;
-        inside hidden.skipping(True) it does. Any type, as callers hand on dicts of defines.
+        grid: the view (Grid) over whose pixels it runs, if inside hidden.skipping(True) it may
+        leave out those that are hidden. Any type, as callers hand on dicts of defines.
         """
         hidden = self.hidden if grid is not None and self.hidden.skips else None
         defines |= {} if hidden is None else {"HIDES": 1}

@@ -37,8 +37,7 @@ class ClockCheck:
 def check_clocks(gl: moderngl.Context) -> ClockCheck:
     """Time a copy by a compute shader by GPU query and by wall clock after finish, in the same run.
 
-    Probed, not known by name: llvmpipe answers about 1 ns for any work, or leaves out compute
-    shaders, and Zink, which runs on the same llvmpipe, measures them.
+    llvmpipe answers about 1 ns for any work; Zink, which runs on the same llvmpipe, measures it.
     """
     copy, blocks, query = Compute(gl, "gpu/copy.comp", {}), _BYTES // 16, gl.query(time=True)
     buffers = [gl.buffer(reserve=_BYTES) for _ in range(2)]
@@ -85,7 +84,6 @@ class Laps(Lap):
     """Several laps, read as one."""
 
     def __init__(self, *laps: Lap) -> None:
-        super().__init__([], [], [])
         self._laps = laps
 
     def read(self) -> Stages:
@@ -122,23 +120,18 @@ class StageTimer:
             yield
         finally:
             self._pending, self._done, self._lap_started_ns = around
-            self.add(name, (time.perf_counter_ns() - started_ns) * 1e-6)
+            self._done.append((name, (time.perf_counter_ns() - started_ns) * 1e-6))
 
     def stage(self, name: str, *, barrier: bool = False) -> Stage:
-        """Time the GL calls issued inside `with timer.stage(name):`, in milliseconds.
+        """Time the GL calls inside `with timer.stage(name):`; blocks that raise do not count.
 
-        Blocks that raise do not count. What it returns can be entered any number of times, one
-        after the other. barrier: make what is stored inside visible to all that follows.
+        It can be entered again. barrier: make what is stored inside visible to all that follows.
         """
         return Stage(self, name, barrier, by_query=self.clock == "gpu")
 
     def cpu_stage(self, name: str) -> Stage:
         """Time work of the CPU inside `with timer.cpu_stage(name):`, in milliseconds."""
         return Stage(self, name, barrier=False, by_query=False)
-
-    def add(self, name: str, milliseconds: float) -> None:
-        """Count work done elsewhere than in GL, timed by the caller, as a stage of this lap."""
-        self._done.append((name, milliseconds))
 
     def lap(self) -> Lap:
         """Return every stage since the last lap; one that is never read costs its queries."""

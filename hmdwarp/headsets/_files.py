@@ -10,7 +10,6 @@ import math
 import re
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import attrs
 import numpy as np
@@ -66,6 +65,7 @@ def _matrix(data: Table, key: str, shape: tuple[int, int]) -> Array:
 
 def _vive_eye(data: Table, x: float, panel: tuple[float, float]) -> HeadsetEye:
     turn = _matrix(data, "eye_to_head", (3, 3)) if "eye_to_head" in data else np.eye(3)
+    pose = Pose.from_matrix(np.column_stack([turn, (x, 0, 0)]))
     centres, coefficients = {}, {}
     for colour, name in _NAMES.items():
         told = data.table(name)
@@ -77,23 +77,16 @@ def _vive_eye(data: Table, x: float, panel: tuple[float, float]) -> HeadsetEye:
         coefficients[colour] = (k1, k2, k3, k4)
         centres[colour] = (told.number("center_x"), -told.number("center_y"))  # there +y is down
     focal = _matrix(data, "intrinsics", (3, 3))[0, 0]
-    lens = ViveLens(float(focal), centres, coefficients, data.within("undistort_r2_cutoff", 0, 100, above=True))
+    cutoff = data.within("undistort_r2_cutoff", 0, 100, above=True)
+    lens = ViveLens((0.0, 0.0), 1.0, float(focal), coefficients, cutoff, centres=centres)
     # The least field of view that holds what the panel shows of any colour.
     places = np.stack(np.meshgrid(*(np.linspace(-side / 2, side / 2, 129) for side in panel)), axis=-1)
     shown = []
     for colour in COLOURS:
-        from_centre = places - lens.centres[colour]
-        r = np.hypot(*np.moveaxis(from_centre, -1, 0))
-        shown.append((from_centre * lens.scales(colour, r)[..., None])[r * r <= lens.cutoff_r2])
+        r = np.hypot(*np.moveaxis(places - centres[colour], -1, 0))
+        shown.append(lens.tangents(colour, places)[r * r <= cutoff])
     (left, down), (right, up) = (ends(np.concatenate(shown), axis=0) for ends in (np.min, np.max))
-    fov = Fov.from_tangents((left, right, down, up))
-    return HeadsetEye(Pose((x, 0, 0), _quaternion(turn)), fov, panel, lens)
-
-
-def _quaternion(turn: Array) -> Any:
-    from scipy.spatial.transform import Rotation
-
-    return Rotation.from_matrix(turn).as_quat()
+    return HeadsetEye(pose, Fov.from_tangents((left, right, down, up)), panel, lens)
 
 
 def _hmdq(data: Table, path: Path) -> Headset:
@@ -107,7 +100,7 @@ def _hmdq(data: Table, path: Path) -> Headset:
     for side in ("Left", "Right"):
         raw = found.table("raw_eye").table(side)
         fov = Fov.from_tangents([raw.number(f"tan_{end}") for end in ("left", "right", "bottom", "top")])
-        pose = _matrix(found.table("eye2head"), side, (3, 4))
+        pose = Pose.from_matrix(_matrix(found.table("eye2head"), side, (3, 4)))
         meshes = found.table("ham_mesh") if "ham_mesh" in found and found.raw("ham_mesh") else Table({})
         hidden: tuple[Polygon, ...] = ()
         if side in meshes and meshes.raw(side):  # triangles, which lie in 0..1 of the view
@@ -116,7 +109,7 @@ def _hmdq(data: Table, path: Path) -> Headset:
             matrix = _matrix(meshes.table(side), "verts_raw", (count - count % 3, 2))
             places = matrix * (right - left, up - down) + (left, down)
             hidden = tuple(tuple((float(x), float(y)) for x, y in corners) for corners in places.reshape(-1, 3, 2))
-        eyes.append(HeadsetEye(Pose(pose[:, 3], _quaternion(pose[:, :3])), fov, hidden=hidden))
+        eyes.append(HeadsetEye(pose, fov, hidden=hidden))
     summary = f"exported by hmdq, {size[0]:g}x{size[1]:g} per eye"
     return Headset(path.stem, summary, f"hmdq, {path.name}", size, _REFRESH_HZ, tuple(eyes), emulated=REPORTED)
 
@@ -147,8 +140,7 @@ def load_headset(spec: str) -> Headset:
     """Load a shipped headset by name, or the user's own .toml or .json file by path.
 
     `NAME:ipd=62` sets the distance of its pupils, in millimetres; `NAME:hidden=drawn`, before that,
-    draws and counts what its lenses hide. Of a .json file serial numbers are not read; of hmdq's
-    the views, the size and the hidden area are.
+    draws and counts what its lenses hide.
     Source: Valve's description of the HMD's JSON file; hmdq (R. Musil), as it reads OpenVR.
     Errors: InputError naming the file and its fault, and for a distance outside its range.
     """

@@ -101,15 +101,13 @@ def test_a_machine_without_opengl_is_told_what_to_install(monkeypatch, display):
 
 
 def test_a_device_is_chosen_by_its_number(monkeypatch, gpu):
-    names = {device.index: egl.renderer_of(device, context.WANTED) for device in egl.devices()}
-    assert works(gpu), "asking leaves the context current that was"
-    for index, name in names.items():
+    for index, name in enumerate([egl.renderer_of(device, context.WANTED) for device in egl.devices()]):
         monkeypatch.setenv(egl.VARIABLE, str(index))
         with Gpu() as chosen:
             assert chosen.renderer == name and works(chosen)
     for wanted in ("99", "Voodoo 2"):
         monkeypatch.setenv(egl.VARIABLE, wanted)
-        with pytest.raises(InputError, match=rf"^HMDWARP_EGL_DEVICE={wanted} names no device here, .* 0: .+: give"):
+        with pytest.raises(InputError, match=rf"^HMDWARP_EGL_DEVICE={wanted} names no device here, .* of 0\b"):
             Gpu()
     assert works(gpu)
 

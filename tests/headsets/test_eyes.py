@@ -160,7 +160,7 @@ def test_a_file_of_two_eyes(tmp_path):
     assert load(tmp_path, CANTED).cants_deg == pytest.approx((5, 7))
     # A triangle with legs of 0.6 and 0.5 in a view of 2.2 x 2.0, counted in 512 columns.
     assert left.hidden_share == pytest.approx(0.15 / 4.4, abs=2e-3) and right.hidden_share == 0
-    seen = left.seen((22, 20))
+    seen = left.hidden_area.seen(left.fov, (22, 20))
     assert not seen[-1, 0] and seen[0].all() and seen[:, -1].all()
 
 
