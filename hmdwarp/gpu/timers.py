@@ -67,9 +67,9 @@ Stages = tuple[tuple[str, float], ...]  # (name, milliseconds) of each stage, in
 class Lap:
     """Some stages of a frame. Read their times later, when the GPU has long finished them."""
 
-    _pending: list[tuple[str, moderngl.Query]]
-    _done: list[tuple[str, float]]
-    _free: list[moderngl.Query]
+    _free: list[moderngl.Query]  # to be used again
+    _pending: list[tuple[str, moderngl.Query]] = attrs.field(factory=list)
+    _done: list[tuple[str, float]] = attrs.field(factory=list)
 
     def read(self) -> Stages:
         """Return the times of all stages; waits for the GPU. May be called again."""
@@ -100,10 +100,7 @@ class StageTimer:
         self._gl = gl
         self.check = check_clocks(gl)
         self.clock = self.check.clock
-        self._free: list[moderngl.Query] = []
-        self._pending: list[tuple[str, moderngl.Query]] = []
-        self._done: list[tuple[str, float]] = []
-        self._lap_started_ns = time.perf_counter_ns()
+        self._now, self._lap_started_ns = Lap([]), time.perf_counter_ns()
 
     @property
     def lap_ms(self) -> float:
@@ -113,14 +110,12 @@ class StageTimer:
     @contextmanager
     def aside(self, name: str) -> Iterator[None]:
         """Time all that runs inside as one stage of this lap, whatever laps it makes of its own."""
-        around = self._pending, self._done, self._lap_started_ns
-        self._pending, self._done = [], []
-        started_ns = time.perf_counter_ns()
+        lap_started_ns, lap, started_ns = self._lap_started_ns, self.lap(), time.perf_counter_ns()
         try:
             yield
         finally:
-            self._pending, self._done, self._lap_started_ns = around
-            self._done.append((name, (time.perf_counter_ns() - started_ns) * 1e-6))
+            self._now, self._lap_started_ns = lap, lap_started_ns
+            lap._done.append((name, (time.perf_counter_ns() - started_ns) * 1e-6))
 
     def stage(self, name: str, *, barrier: bool = False) -> Stage:
         """Time the GL calls inside `with timer.stage(name):`; blocks that raise do not count.
@@ -135,9 +130,7 @@ class StageTimer:
 
     def lap(self) -> Lap:
         """Return every stage since the last lap; one that is never read costs its queries."""
-        lap = Lap(self._pending, self._done, self._free)
-        self._pending, self._done = [], []
-        self._lap_started_ns = time.perf_counter_ns()
+        lap, self._now, self._lap_started_ns = self._now, Lap(self._now._free), time.perf_counter_ns()
         return lap
 
     def collect(self) -> list[tuple[str, float]]:
@@ -157,24 +150,24 @@ class Stage:
         self._timer, self._name, self._barrier, self._by_query = timer, name, barrier, by_query
 
     def __enter__(self) -> None:
-        timer = self._timer
+        gl, free = self._timer._gl, self._timer._now._free
         if self._by_query:
-            self._query = timer._free.pop() if timer._free else timer._gl.query(time=True)
+            self._query = free.pop() if free else gl.query(time=True)
             self._query.__enter__()
-            return
-        timer._gl.finish()
-        self._started_ns = time.perf_counter_ns()
+        else:
+            gl.finish()
+            self._started_ns = time.perf_counter_ns()
 
     def __exit__(self, error: type[BaseException] | None, *rest: object) -> None:
-        timer = self._timer
+        gl, lap = self._timer._gl, self._timer._now
         if self._barrier and error is None:
-            timer._gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
         if self._by_query:
             self._query.__exit__(error, *rest)  # type: ignore[arg-type]  # moderngl types each argument as a tuple
             if error is None:
-                timer._pending.append((self._name, self._query))
+                lap._pending.append((self._name, self._query))
             else:
-                timer._free.append(self._query)
+                lap._free.append(self._query)
         elif error is None:
-            timer._gl.finish()
-            timer._done.append((self._name, (time.perf_counter_ns() - self._started_ns) * 1e-6))
+            gl.finish()
+            lap._done.append((self._name, (time.perf_counter_ns() - self._started_ns) * 1e-6))

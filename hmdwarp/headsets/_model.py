@@ -63,13 +63,18 @@ class _Round:
     @np.errstate(all="ignore")
     def _refuse_folds(self, reach: float) -> None:
         """Raise InputError if a colour's tangents do not grow up to that radius."""
-        r = np.linspace(0, reach, _RADII)
         for colour in COLOURS:
-            scales = self.scales(colour, r)
-            grows = (scales[:-1] > 0) & (np.diff(r * scales) > 0)
-            if not grows.all():
+            r = np.linspace(0, reach, _RADII)
+            for _ in range(2):  # the second time finely around where they stop
+                scales = self.scales(colour, r)
+                grows = (scales[:-1] > 0) & (np.diff(r * scales) > 0)
+                if grows.all():
+                    break
+                fold = int(grows.argmin())
+                at, r = r[fold], np.linspace(r[max(0, fold - 1)], r[fold + 1], _RADII)
+            else:
                 raise InputError(
-                    f"the lens of {colour} folds back at r = {r[grows.argmin()]:.3g}, within its reach {reach:.3g}: "
+                    f"the lens of {colour} folds back at r = {at:.4g}, within its reach {reach:.4g}: "
                     "two panel pixels would show the same direction; correct its coefficients"
                 )
 
