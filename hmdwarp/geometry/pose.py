@@ -154,13 +154,12 @@ class Pose:
         """
         from scipy.spatial.transform import Rotation
 
-        found = np.asarray(matrix, np.float64)
+        found = floats(matrix)
         found = found.reshape(4, 4).T if found.shape == (16,) else found
-        if found.shape == (4, 4):
-            found = found if np.allclose(found[3], (0, 0, 0, 1)) else found.T
+        if found.shape == (4, 4) and not np.allclose(found[3], (0, 0, 0, 1)):
+            found = found.T
         turn, whole = found[:3, :3], found.shape in ((3, 4), (4, 4)) and np.isfinite(found).all()
-        last = found[3:] if whole else np.zeros((1, 4))
-        if not whole or not np.allclose(last, (0, 0, 0, 1)) or np.abs(turn @ turn.T - np.eye(3)).max() > 1e-3:
+        if not whole or not np.allclose(found[3:], (0, 0, 0, 1)) or np.abs(turn @ turn.T - np.eye(3)).max() > 1e-3:
             raise InputError(f"matrix is {in_brief(matrix)}: expected (4, 4), (3, 4) or 16 numbers that turn and move")
         if np.linalg.det(turn) < 0:
             raise InputError(f"matrix is {in_brief(matrix)}: it mirrors; expected a right-handed rotation")

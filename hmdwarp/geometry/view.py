@@ -483,8 +483,10 @@ def view_map(frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int,
     position_m = to_from_world @ (frm.pose.position_m - to.pose.position_m)
     k_to = (to.fov.matrices.get(to_size) or _camera(to.fov, to_size))[0]
     k_frm_inverse = (frm.fov.matrices.get(frm_size) or _camera(frm.fov, frm_size))[1]
-    made = WarpMap(k_to @ (to_from_world @ frm.pose.rotation_matrix) @ k_frm_inverse, k_to @ position_m)
-    made.H.flags.writeable = made.e.flags.writeable = False
+    made, turned = WarpMap.__new__(WarpMap), k_to @ (to_from_world @ frm.pose.rotation_matrix) @ k_frm_inverse
+    for name, values in (("H", turned), ("e", k_to @ position_m)):
+        values.flags.writeable = False
+        _set(made, name, values)
     if len(_MAPS) >= 32:  # a refresh of both eyes makes 18
         del _MAPS[next(iter(_MAPS))]
     _MAPS[key] = frm, to, made

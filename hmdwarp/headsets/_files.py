@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, in_brief, unknown_name
-from ..geometry import Eyes, Fov, Polygon, Pose
+from ..geometry import Eyes, Fov, Hidden, Polygon, Pose
 from ..options import Table, parsed, text_of
 from ..options.documents import DocumentError, parse_json
 from ..options.named_files import FACTS, text_in
@@ -30,10 +30,7 @@ _KINDS = ("DISTORT_DPOLY3",)
 
 def reported_headset(name: str, about: str, size: tuple[int, int], rate_hz: float, eyes: Eyes) -> Headset:
     """Return a headset as a connected runtime reports it. about: what runtime and headset it is."""
-    seen = tuple(
-        HeadsetEye(view.pose, view.fov, hidden=view.hidden.polygons if view.hidden is not None else ())
-        for view in eyes.views(Pose())
-    )
+    seen = tuple(HeadsetEye(view.pose, view.fov, hidden=view.hidden) for view in eyes.views(Pose()))
     summary = f"{about}, {size[0]}x{size[1]} per eye"
     return Headset(name, summary, f"reported by {about}", size, rate_hz, seen, emulated=REPORTED)
 
@@ -102,13 +99,13 @@ def _hmdq(data: Table, path: Path) -> Headset:
         fov = Fov.from_tangents([raw.number(f"tan_{end}") for end in ("left", "right", "bottom", "top")])
         pose = Pose.from_matrix(_matrix(found.table("eye2head"), side, (3, 4)))
         meshes = found.table("ham_mesh") if "ham_mesh" in found and found.raw("ham_mesh") else Table({})
-        hidden: tuple[Polygon, ...] = ()
+        hidden = None
         if side in meshes and meshes.raw(side):  # triangles, which lie in 0..1 of the view
             left, right, down, up = fov.tangents
             count = len(meshes.table(side).raw("verts_raw"))
             matrix = _matrix(meshes.table(side), "verts_raw", (count - count % 3, 2))
             places = matrix * (right - left, up - down) + (left, down)
-            hidden = tuple(tuple((float(x), float(y)) for x, y in corners) for corners in places.reshape(-1, 3, 2))
+            hidden = Hidden(tuple(tuple(map(tuple, each)) for each in places.reshape(-1, 3, 2).tolist()), fov)
         eyes.append(HeadsetEye(pose, fov, hidden=hidden))
     summary = f"exported by hmdq, {size[0]:g}x{size[1]:g} per eye"
     return Headset(path.stem, summary, f"hmdq, {path.name}", size, _REFRESH_HZ, tuple(eyes), emulated=REPORTED)
@@ -153,7 +150,7 @@ def load_headset(spec: str) -> Headset:
         return load_headset(name).with_ipd(float(ipd) * 1e-3)
     if name.endswith(DRAWN):
         drawn = load_headset(name.removesuffix(DRAWN))
-        return attrs.evolve(drawn, name=name, eyes=tuple(attrs.evolve(eye, hidden=()) for eye in drawn.eyes))
+        return attrs.evolve(drawn, name=name, eyes=tuple(attrs.evolve(eye, hidden=None) for eye in drawn.eyes))
     path = Path(name) if name.endswith(FILE_ENDINGS) else _FOLDER / f"{name}.toml"
     if not name.endswith(FILE_ENDINGS) and name not in headset_names():
         raise unknown_name("headset", name, [*headset_names(), *(f"FILE{ending}" for ending in FILE_ENDINGS)])
@@ -223,7 +220,8 @@ def _eye(
         axis = _pair(data, "lens_axis_m") if "lens_axis_m" in data else (-side * x, y)
         corner = np.array(size_m) / 2 + np.abs(axis)
         made = MODELS[model].of(lens, axis, float(np.hypot(*corner)))
-    return HeadsetEye(Pose(place, turn), fov, size_m, made, _hidden(data, fov))
+    hidden = _hidden(data, fov)
+    return HeadsetEye(Pose(place, turn), fov, size_m, made, Hidden(hidden, fov) if hidden else None)
 
 
 def _hidden(data: Table, fov: Fov) -> tuple[Polygon, ...]:
@@ -292,6 +290,6 @@ def headset_toml(headset: Headset) -> str:
         offset = eye.head_from_eye.position_m - (side * headset.ipd_m / 2, 0, 0)
         lines += ["", f"[eyes.{name}]", f"tangents = {eye.fov.tangents.tolist()}", f"offset_m = {offset.tolist()}"]
         lines += [f"orientation_xyzw = {list(eye.head_from_eye.unit_quaternion)}"]
-        if eye.hidden:
-            lines.append(f"hidden = {[[list(point) for point in polygon] for polygon in eye.hidden]}")
+        if eye.hidden is not None:
+            lines.append(f"hidden = {[[list(point) for point in polygon] for polygon in eye.hidden.polygons]}")
     return "\n".join(lines) + "\n"

@@ -215,7 +215,7 @@ class HeadsetEye:
     fov: Fov
     panel_m: tuple[float, float] | None = None  # (w, h); None where it is not known
     lens: Lens | None = None
-    hidden: tuple[Polygon, ...] = ()  # Parts of the view that cannot be seen, as polygons of tangents.
+    hidden: Hidden | None = None  # what of the view cannot be seen
 
     def __attrs_post_init__(self) -> None:
         if self.panel_m is not None:
@@ -224,13 +224,9 @@ class HeadsetEye:
     def mirrored(self) -> HeadsetEye:
         """Return the other eye of a symmetric headset."""
         (x, y, z), (qx, qy, qz, qw) = self.head_from_eye.position_m.tolist(), self.head_from_eye.unit_quaternion
-        return HeadsetEye(
-            Pose((-x, y, z), (qx, 0.0 - qy, 0.0 - qz, qw)),
-            Fov(-self.fov.right, -self.fov.left, self.fov.down, self.fov.up),
-            self.panel_m,
-            self.lens and self.lens.mirrored(),
-            tuple(tuple((-a, b) for a, b in polygon) for polygon in self.hidden),
-        )
+        fov, lens = Fov(-self.fov.right, -self.fov.left, self.fov.down, self.fov.up), self.lens and self.lens.mirrored()
+        hidden = self.hidden and Hidden(tuple(tuple((-a, b) for a, b in one) for one in self.hidden.polygons), fov)
+        return HeadsetEye(Pose((-x, y, z), (qx, 0.0 - qy, 0.0 - qz, qw)), fov, self.panel_m, lens, hidden)
 
     @property
     def edges_rad(self) -> tuple[float, float]:
@@ -238,7 +234,7 @@ class HeadsetEye:
         left, right = self.fov.tangents[:2].tolist()
         if self.hidden:
             level = attrs.evolve(self.fov, down=-_LEVEL, up=_LEVEL)
-            columns = np.flatnonzero(Hidden(self.hidden, level).seen(level, (_LEVEL_COLUMNS, 1)))
+            columns = np.flatnonzero(Hidden(self.hidden.polygons, level).seen(level, (_LEVEL_COLUMNS, 1)))
             if not len(columns):
                 raise InputError("the hidden area covers all of the view at eye level: expected less than that")
             step = (right - left) / _LEVEL_COLUMNS
@@ -253,17 +249,12 @@ class HeadsetEye:
         x, _, z = self.head_from_eye.rotation_matrix[:, 2].tolist()
         return math.atan2(-x, z)
 
-    @functools.cached_property
-    def hidden_area(self) -> Hidden | None:
-        """What of its views is hidden, None for nothing."""
-        return Hidden(self.hidden, self.fov) if self.hidden else None
-
     @property
     def hidden_share(self) -> float:
         """Share of the view that cannot be seen, in tangents."""
         left, right, down, up = self.fov.tangents
         size = _COLUMNS, max(1, round(_COLUMNS * (up - down) / (right - left)))
-        return 0.0 if self.hidden_area is None else 1 - float(self.hidden_area.seen(self.fov, size).mean())
+        return 0.0 if self.hidden is None else 1 - float(self.hidden.seen(self.fov, size).mean())
 
 
 @attrs.frozen
@@ -364,7 +355,7 @@ class Headset:
     @functools.cached_property
     def _views(self) -> tuple[View, ...]:
         """The eyes' views for a head at the origin."""
-        return tuple(View(eye.head_from_eye, eye.fov, eye.head_from_eye, eye.hidden_area) for eye in self.eyes)
+        return tuple(View(eye.head_from_eye, eye.fov, eye.head_from_eye, eye.hidden) for eye in self.eyes)
 
     @property
     def flat_view(self) -> tuple[Fov, float]:
@@ -418,5 +409,6 @@ def camera_display(
     """
     panel_m = (0.1, 0.1 * size[1] / size[0])
     places = (0.0, eye_distance_m) if eye_distance_m else (0.0,)
-    eyes = tuple(HeadsetEye(Pose((x, 0, 0)), fov, panel_m, hidden=hidden) for x in places)
+    area = Hidden(hidden, fov) if hidden else None
+    eyes = tuple(HeadsetEye(Pose((x, 0, 0)), fov, panel_m, hidden=area) for x in places)
     return Headset("camera", f"the camera of {source}", source, size, refresh_hz, eyes, is_camera=True)

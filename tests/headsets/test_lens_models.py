@@ -293,7 +293,7 @@ def test_an_export_of_hmdq(tmp_path):
     assert headset.eye_size_px == (64, 60) and headset.ipd_m == pytest.approx(0.062) and headset.lens is None
     left, right = headset.eyes
     assert left.fov.tangents == pytest.approx((-1.2, 1.0, -1.1, 0.9))
-    assert np.array(left.hidden) == pytest.approx(np.array([[(-1.2, 0.9), (-1.2, -0.1), (-0.1, 0.9)]]))
+    assert np.array(left.hidden.polygons) == pytest.approx(np.array([[(-1.2, 0.9), (-1.2, -0.1), (-0.1, 0.9)]]))
     # An eighth of the view, counted in 512 columns.
     assert (left.hidden_share, right.hidden_share) == (pytest.approx(0.125, abs=2e-3), 0)
     path.write_text(path.read_text().replace("tan_top", "top"))
