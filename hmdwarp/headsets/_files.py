@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import math
 import re
-from functools import partial
 from pathlib import Path
 
 import attrs
@@ -166,11 +165,32 @@ def load_headset(spec: str) -> Headset:
 
 
 def _headset(data: Table) -> Headset:
-    panel, eyes = data.table("panel"), data.table("eyes")
+    panel, eyes, lens = data.table("panel"), data.table("eyes"), data.table("lens") if "lens" in data else None
     size_m = _pair(panel, "eye_size_m") if "eye_size_m" in panel else None
-    if "lens" in data and size_m is None:
+    if lens is not None and size_m is None:
         raise panel.missing("eye_size_m")
-    eye = partial(_eye, eyes.within("ipd_m", 0, 1), size_m, data.table("lens") if "lens" in data else None)
+    ipd_m = eyes.within("ipd_m", 0, 1)
+
+    def eye(data: Table, side: int, fov: Fov | None = None) -> HeadsetEye:
+        """Return the left (side -1) or right eye (1). fov: in place of its table's tangents."""
+        offset_m = data.numbers("offset_m", 3) if "offset_m" in data else (0, 0, 0)
+        half = -side * math.radians(data.number("cant_deg", 0.0)) / 2
+        turn: tuple[float, ...] = (0.0, math.sin(half), 0.0, math.cos(half))
+        if "orientation_xyzw" in data:
+            turn = data.numbers("orientation_xyzw", 4)
+        fov = Fov.from_tangents(data.numbers("tangents", 4)) if fov is None else fov
+        made: Lens | None = None
+        if lens is not None and size_m is not None:
+            model = lens.text("model")
+            if model not in MODELS:
+                raise InputError(f"unknown lens model '{model}': known is {', '.join(MODELS)}")
+            x, y = _pair(lens, "axis_from_centre_m")
+            axis = _pair(data, "lens_axis_m") if "lens_axis_m" in data else (-side * x, y)
+            made = MODELS[model].of(lens, axis, float(np.hypot(*(np.array(size_m) / 2 + np.abs(axis)))))
+        pose = Pose(np.add(offset_m, (side * ipd_m / 2, 0, 0)), turn)
+        hidden = _rounded_corners(data, fov) if "hidden_share" in data else _polygons(data)
+        return HeadsetEye(pose, fov, size_m, made, Hidden(hidden, fov) if hidden else None)
+
     if "left" in eyes:
         left = eye(eyes.table("left"), -1)
     else:  # one that looks straight ahead, by four angles
@@ -200,40 +220,9 @@ def _pair(data: Table, key: str) -> tuple[float, float]:
     return first, second
 
 
-def _eye(
-    ipd_m: float, size_m: tuple[float, float] | None, lens: Table | None, data: Table, side: int, fov: Fov | None = None
-) -> HeadsetEye:
-    """Return the left (side -1) or right eye (1) by its table; fov: in place of its tangents."""
-    offset_m = data.numbers("offset_m", 3) if "offset_m" in data else (0, 0, 0)
-    place = np.add(offset_m, (side * ipd_m / 2, 0, 0))
-    half = -side * math.radians(data.number("cant_deg", 0.0)) / 2
-    turn: tuple[float, ...] = (0.0, math.sin(half), 0.0, math.cos(half))
-    if "orientation_xyzw" in data:
-        turn = data.numbers("orientation_xyzw", 4)
-    fov = Fov.from_tangents(data.numbers("tangents", 4)) if fov is None else fov
-    made: Lens | None = None
-    if lens is not None and size_m is not None:
-        model = lens.text("model")
-        if model not in MODELS:
-            raise InputError(f"unknown lens model '{model}': known is {', '.join(MODELS)}")
-        x, y = _pair(lens, "axis_from_centre_m")
-        axis = _pair(data, "lens_axis_m") if "lens_axis_m" in data else (-side * x, y)
-        corner = np.array(size_m) / 2 + np.abs(axis)
-        made = MODELS[model].of(lens, axis, float(np.hypot(*corner)))
-    hidden = _hidden(data, fov)
-    return HeadsetEye(Pose(place, turn), fov, size_m, made, Hidden(hidden, fov) if hidden else None)
-
-
-def _hidden(data: Table, fov: Fov) -> tuple[Polygon, ...]:
-    if "hidden_share" in data:
-        seen = np.tan(np.radians(data.numbers("seen_deg", 4))) if "seen_deg" in data else fov.tangents
-        try:
-            return rounded_corners(fov, seen, data.within("hidden_share", 0, 0.5))
-        except ValueError as error:
-            raise data.fault("seen_deg", str(error)) from error
-    polygons = data.raw("hidden") if "hidden" in data else []
+def _polygons(data: Table) -> tuple[Polygon, ...]:
     try:
-        found = [np.array(polygon, np.float64) for polygon in polygons]
+        found = [np.array(polygon, np.float64) for polygon in (data.raw("hidden") if "hidden" in data else [])]
         if all(one.ndim == 2 and one.shape[1] == 2 and len(one) > 2 and np.isfinite(one).all() for one in found):
             return tuple(tuple(map(tuple, one.tolist())) for one in found)
     except (TypeError, ValueError):
@@ -241,21 +230,23 @@ def _hidden(data: Table, fov: Fov) -> tuple[Polygon, ...]:
     raise data.fault("hidden", "is no list of polygons: expected each as three or more [x, y] in tangents")
 
 
-def rounded_corners(fov: Fov, seen: NDArray[np.float64], share: float) -> tuple[Polygon, ...]:
-    """Return four corners that hide a share (0..0.5) of the view, outside of a superellipse.
+def _rounded_corners(data: Table, fov: Fov) -> tuple[Polygon, ...]:
+    """Return four corners that hide a share of the view, outside of a superellipse.
 
     It stands for a hidden area of which the share alone is known, and how far one sees to each
-    side: seen, the four tangents of that.
-    Errors: ValueError where no superellipse has both.
+    side.
     Source: area of Lame's curve |x|^n + |y|^n = 1: 4 Gamma(1 + 1/n)^2 / Gamma(1 + 2/n).
     """
+    edge = fov.tangents
+    (left, right, down, up) = np.tan(np.radians(data.numbers("seen_deg", 4))) if "seen_deg" in data else edge
+    share = data.within("hidden_share", 0, 0.5)
     if share == 0:
         return ()
-    (left, right, down, up), edge = seen, fov.tangents
     of_box = (1 - share) * (edge[1] - edge[0]) * (edge[3] - edge[2]) / ((right - left) * (up - down))
     low, high = 0.9, 200.0
     if not (_area(low) < of_box < _area(high)):
-        raise ValueError(f"and hidden_share {share:g} do not fit each other: the share is that of the whole view")
+        says = f"and hidden_share {share:g} do not fit each other: the share is that of the whole view"
+        raise data.fault("seen_deg", says)
     for _ in range(60):
         middle = (low + high) / 2
         low, high = (middle, high) if _area(middle) < of_box else (low, middle)

@@ -121,12 +121,9 @@ def lose(monkeypatch) -> None:
     monkeypatch.setattr(context, "reset_status_of", lambda gl: lambda: 0x8253)
 
 
-def test_a_context_that_lives_says_so(gpu):
+def test_a_lost_context_is_one_plain_error(gpu, monkeypatch):
     gpu.check_not_lost()
     assert reset_status_of(gpu.gl)() == 0
-
-
-def test_a_lost_context_is_one_plain_error(monkeypatch):
     lose(monkeypatch)
     with pytest.raises(MachineError, match=r"was reset, .* lost \(.*0x8253.*start again") as caught, Gpu():
         raise RuntimeError("what a driver says once its context is gone")

@@ -19,15 +19,7 @@ from worlds import read
 from hmdwarp.client.lens import lenses
 from hmdwarp.errors import InputError
 from hmdwarp.gpu import Canvas
-from hmdwarp.headsets import (
-    COLOURS,
-    MAX_COEFFICIENTS,
-    Headset,
-    RadialLens,
-    TableLens,
-    ViveLens,
-    load_headset,
-)
+from hmdwarp.headsets import COLOURS, MAX_COEFFICIENTS, Headset, RadialLens, TableLens, ViveLens, load_headset
 
 from .bad_files import refusal
 
