@@ -31,18 +31,14 @@ FACES = (
 )
 
 
-def inner_size(fov: Fov, size: tuple[int, int]) -> int:
-    """Return how many pixels span 90 degrees of a face as dense as the (w, h) picture of `fov`.
+def cube_size(fov: Fov, size: tuple[int, int]) -> tuple[int, int]:
+    """Return (w, h) of the six faces around an eye whose picture is (w, h) pixels of `fov`.
 
-    Density counts in pixels per tangent: looking along a face, no detail of the picture is lost.
+    They are as dense, in pixels per tangent, so that looking along one loses no detail, and have
+    borders of a pixel.
     """
     left, right, down, up = fov.tangents
-    return int(max(1, math.ceil(2 * max(size[0] / (right - left), size[1] / (up - down)) - 1e-6)))
-
-
-def cube_size(fov: Fov, size: tuple[int, int]) -> tuple[int, int]:
-    """Return (w, h) of the six faces around an eye whose picture is (w, h) pixels of `fov`."""
-    side = inner_size(fov, size) + 2
+    side = int(max(1, math.ceil(2 * max(size[0] / (right - left), size[1] / (up - down)) - 1e-6))) + 2
     return 3 * side, 2 * side
 
 
