@@ -34,8 +34,7 @@ FACES = (
 def cube_size(fov: Fov, size: tuple[int, int]) -> tuple[int, int]:
     """Return (w, h) of the six faces around an eye whose picture is (w, h) pixels of `fov`.
 
-    They are as dense, in pixels per tangent, so that looking along one loses no detail, and have
-    borders of a pixel.
+    They are as dense, so that looking along one loses no detail, and have borders of a pixel.
     """
     left, right, down, up = fov.tangents
     side = int(max(1, math.ceil(2 * max(size[0] / (right - left), size[1] / (up - down)) - 1e-6))) + 2

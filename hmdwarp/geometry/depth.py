@@ -1,8 +1,4 @@
-"""Convert depth in other conventions to inverse depth and back, once, at the interface.
-
-Inside, depth is `inverse_depth` in 1/m along -z: 0 is infinitely far, and it is linear across a
-plane in image space.
-"""
+"""Depth in other conventions to inverse depth (1/m along -z, 0 infinitely far) and back."""
 
 from __future__ import annotations
 

@@ -187,8 +187,7 @@ class Pose:
     def relative_to(self, other: Pose) -> Pose:
         """Return other_from_self for two poses in the same frame, without passing its origin.
 
-        Two eyes 1 mm apart keep all their digits 1e6 m from it: positions are subtracted first
-        (exact for neighbouring floats, Sterbenz 1974).
+        Two eyes 1 mm apart keep all their digits 1e6 m from it: positions are subtracted first.
         """
         if type(other) is not Pose:
             _check_pose(other)

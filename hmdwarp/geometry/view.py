@@ -21,9 +21,8 @@ Size = tuple[int, int]
 class GuardBand:
     """Two factors of the field of view in tangents, or the pixels of the picture that is drawn.
 
-    Pixels per tangent stay those of the shown picture, so factors of 1.25 and 1.125 make 1600x900
-    of 1280x800 pixels, and 1.41 times as many.
-    Errors: InputError for a factor below 1.
+    Pixels per tangent stay those of the shown picture: factors of 1.25 and 1.125 make 1600x900 of
+    1280x800. Errors: InputError for a factor below 1.
     """
 
     x: float = 1.0

@@ -31,8 +31,7 @@ HOW_TO_GET_GL = (
 def create_context(*, shared: bool = False) -> moderngl.Context:
     """Create a standalone context: through EGL without any display, else through the window system.
 
-    shared: as of egl.EglContext, for OpenXR. Errors: InputError for an HMDWARP_EGL_DEVICE that
-    names no device, MachineError naming what was tried and what to install.
+    shared: as of egl.EglContext. Errors: InputError for a wrong HMDWARP_EGL_DEVICE, MachineError.
     """
     ways = [] if os.name != "posix" else [("egl", partial(egl.create_context, WANTED, shared=shared))]
     if os.name != "posix" or os.environ.get("DISPLAY"):
@@ -58,8 +57,7 @@ _process: int | None = None  # which first made a context
 def check_not_forked() -> None:
     """Raise InputError in a process forked from one that had a context.
 
-    There llvmpipe waits for ever for its threads, which a fork does not copy; other drivers share
-    one state with the parent.
+    There llvmpipe waits for ever for its threads, which a fork does not copy.
     """
     if _process not in (None, os.getpid()):
         raise InputError(
@@ -148,10 +146,7 @@ class Gpu:
         return self._closed or self._process != os.getpid()
 
     def check_not_lost(self) -> None:
-        """Raise MachineError once the driver has reset the GPU: since then it ignores every call.
-
-        The context must be current. Costs less than a microsecond.
-        """
+        """Raise MachineError if the driver has reset the GPU of this, the current context."""
         reason = self._reset_status()
         if reason:
             raise MachineError(
@@ -160,10 +155,7 @@ class Gpu:
             )
 
     def wait(self) -> None:
-        """Wait until everything is drawn, while other threads go on: moderngl's calls hold them up.
-
-        Half a second of 2048x2048 pixels on a CPU, after which reading takes a few ms.
-        """
+        """Wait until all is drawn, while other threads go on: moderngl's calls hold them up."""
         gl_function("glFinish", None)()
 
     def forget_released(self) -> None:
@@ -189,10 +181,7 @@ class Gpu:
 
     @contextmanager
     def current(self) -> Iterator[Gpu]:
-        """Direct GL calls of this thread to this context inside the block, and back after it.
-
-        Errors: InputError if it is closed; as check_not_forked.
-        """
+        """Direct GL calls of this thread here in the block. Errors: InputError if closed."""
         check_not_forked()
         if self.closed:
             raise InputError("this OpenGL context is closed: make another Gpu, and what uses it")

@@ -135,10 +135,7 @@ def _attributes(*pairs: int) -> Any:
 
 
 def devices() -> list[int]:
-    """Return EGL's handles of the devices, in its order.
-
-    Errors: OSError or MachineError where there is no EGL, or one that cannot list devices.
-    """
+    """Return EGL's handles of the devices, in its order. Errors: OSError, MachineError."""
     handles, count = (_POINTER * _MOST_DEVICES)(), ctypes.c_int32()
     _egl("eglQueryDevicesEXT", _WORD, _MOST_DEVICES, handles, ctypes.byref(count))
     return [handle or 0 for handle in handles[: count.value]]
@@ -199,8 +196,7 @@ def _on(device: int, version: int, shared: bool = False) -> moderngl.Context:
 def create_context(version: int, *, shared: bool = False) -> moderngl.Context:
     """Return a context on the device of number HMDWARP_EGL_DEVICE, else on the first that has one.
 
-    shared: see EglContext. Errors: InputError where there is no such device; OSError where none has
-    OpenGL.
+    shared, and errors: as of EglContext; InputError where there is no such device.
     """
     found, wanted, failures = dict(enumerate(devices())), os.environ.get(VARIABLE, "").strip(), []
     chosen = {index: device for index, device in found.items() if wanted in ("", str(index))}

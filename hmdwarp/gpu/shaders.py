@@ -92,6 +92,7 @@ def flatten(path: str, defines: Mapping[str, object] | None = None) -> _Flattene
 _UNIFORM = re.compile(r"\s*uniform\s+(float|u?int|bool|[iu]?vec[234]|mat[234](?:x[234])?)\s+([^=;]+);\s*")
 _NAME = re.compile(r"\s*(\w+)\s*(?:\[\s*(\w+)\s*\])?\s*")
 _NUMBER = re.compile(r"\s*#\s*define\s+(\w+)\s+(\d+)\s*")
+Defines = Mapping[str, object]
 _MOST_BYTES = 16384  # of a block, for every driver
 _BLOCK = "Uniforms_"
 
@@ -269,18 +270,15 @@ class Uniforms:
 
 
 class Compute:
-    """A compute shader with strict uniforms, for a grid of pixels.
-
-    Made with HIDES, for a view's grid and its strips, it leaves out what the lens hides of it.
-    """
+    """A compute shader over a grid of pixels; with HIDES it leaves out what the lens hides."""
 
     def __init__(
         self,
         gl: moderngl.Context,
         path: str,
-        defines: Mapping[str, object],
+        defines: Defines,
         grid: Grid | None = None,
-        hidden: HiddenAreas | None = None,
+        areas: HiddenAreas | None = None,
     ) -> None:
         flat = flatten(path, defines)
         self.path = path
@@ -294,15 +292,12 @@ class Compute:
         self.group = int(numbers.get(across, across)), int(numbers.get(down, down))
         self._most_groups = tuple(gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][:2])
         self.rows = int(numbers.get("ROWS", 1))
-        self._grid, self._hidden, self.skips = grid, hidden, hidden is not None
+        self._grid, self._hidden, self.skips = grid, areas, areas is not None
         self._last: tuple[int, int, int] | None = None
         self._groups = 0, 0
 
     def run(self, width: int, height: int = 1, cell: int = 1) -> None:
-        """Dispatch enough work groups for width x height pixels.
-
-        cell: pixels on each axis for which it has one invocation, or row of one.
-        """
+        """Run over width x height pixels. cell: pixels a side for one invocation, or row of one."""
         if self._last != (width, height, cell):
             self._groups = self.groups(width, height, cell)
             self._last = None if self.skips else (width, height, cell)  # a list is bound each time
@@ -335,7 +330,7 @@ class Compute:
 class Draw:
     """A vertex and fragment shader pair with strict uniforms."""
 
-    def __init__(self, gl: moderngl.Context, vertex: str, fragment: str, defines: Mapping[str, object]) -> None:
+    def __init__(self, gl: moderngl.Context, vertex: str, fragment: str, defines: Defines) -> None:
         flats = {"vertex": flatten(vertex, defines), "fragment": flatten(fragment, defines)}
         both = list(flats.values())
         try:
@@ -381,9 +376,7 @@ class ShaderLibrary:
         """Return the vertex and fragment program of the two paths."""
         return self._get((vertex, fragment), defines, lambda: Draw(self._gl, vertex, fragment, defines))
 
-    def _get(
-        self, paths: tuple[str, ...], defines: Mapping[str, object], make: Callable[[], Made], *over: object
-    ) -> Made:
+    def _get(self, paths: tuple[str, ...], defines: Defines, make: Callable[[], Made], *over: object) -> Made:
         key = (*paths, *sorted(defines.items()), *over)
         program: Made = self._cache.get(key) or self._cache.setdefault(key, make())
         return program

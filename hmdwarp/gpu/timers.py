@@ -91,10 +91,7 @@ class Laps(Lap):
 
 
 class StageTimer:
-    """Time the stages of one frame.
-
-    Only Lap.read() reads GPU queries, so a stage never waits for the one before it.
-    """
+    """Times of the stages of one frame: only Lap.read() reads queries, so no stage waits."""
 
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl
@@ -139,10 +136,9 @@ class StageTimer:
 
 
 class Stage:
-    """A stage timed by a query, or by the wall clock between two instants at which the GPU is idle.
+    """A stage timed by a query, or by the wall clock between two instants of an idle GPU."""
 
-    A class, because contextlib's generators cost 3 us each and a refresh has ten.
-    """
+    # A class, because contextlib's generators cost 3 us each and a refresh has ten.
 
     __slots__ = ("_barrier", "_by_query", "_name", "_query", "_started_ns", "_timer")
 

@@ -1,7 +1,4 @@
-"""Headset files: those of the package, the user's own, and other programs' JSON.
-
-That is what SteamVR keeps, and what hmdq exports.
-"""
+"""Headset files: the package's, the user's, and what SteamVR keeps and hmdq exports."""
 
 from __future__ import annotations
 
@@ -233,8 +230,7 @@ def _polygons(data: Table) -> tuple[Polygon, ...]:
 def _rounded_corners(data: Table, fov: Fov) -> tuple[Polygon, ...]:
     """Return four corners that hide a share of the view, outside of a superellipse.
 
-    It stands for a hidden area of which the share alone is known, and how far one sees to each
-    side.
+    It stands for an area of which the share is known, and how far one sees to each side.
     Source: area of Lame's curve |x|^n + |y|^n = 1: 4 Gamma(1 + 1/n)^2 / Gamma(1 + 2/n).
     """
     edge = fov.tangents
@@ -267,10 +263,7 @@ def _area(power: float) -> float:
 
 
 def headset_toml(headset: Headset) -> str:
-    """Return the file of a headset without a lens: what a runtime reports.
-
-    Errors: InputError for a headset with a lens.
-    """
+    """Return the file of a headset as runtimes report it. Errors: InputError for a lens."""
     if headset.lens is not None:
         raise InputError(f"headset '{headset.name}' has a lens, which a file of views cannot hold")
     texts = {key: getattr(headset, key) for key in ("name", "summary", "source", "emulated")}

@@ -1,8 +1,4 @@
-"""A headset as a model: two eyes, two panels, and a lens; or a camera in their place.
-
-All code that assumes two eyes and a panel is here. A lens says which direction of the view each
-place on a panel shows, for each colour.
-"""
+"""A headset as a model: two eyes with a panel and a lens each, or a camera in their place."""
 
 from __future__ import annotations
 
@@ -120,8 +116,7 @@ class TableLens(_Round):
 
     Beyond the last distance the lens shows nothing.
     Errors: InputError for a table that does not grow.
-    Source: Fritsch and Butland 1984, A Method for Constructing Local Monotone Piecewise Cubic
-    Interpolants (SciPy's PCHIP).
+    Source: Fritsch and Butland 1984, Local Monotone Piecewise Cubic Interpolants (SciPy's PCHIP).
     """
 
     model: ClassVar[str] = "table"
@@ -206,10 +201,7 @@ _LEVEL, _LEVEL_COLUMNS = 1e-4, 8192  # half the height, and the columns, of the 
 
 @attrs.frozen
 class HeadsetEye:
-    """One eye: its place and direction in the head, its field of view, its panel and its lens.
-
-    Errors: InputError for a panel without size.
-    """
+    """One eye: its place and direction in the head, its field of view, panel and lens."""
 
     head_from_eye: Pose
     fov: Fov
@@ -261,8 +253,7 @@ class HeadsetEye:
 class Headset:
     """Two eyes in front of two panels. Eye 0 is the left one.
 
-    Errors: InputError for a panel without pixels, a refresh rate of 0, a negative pupil distance,
-    and eyes that look past each other.
+    Errors: InputError for what is no size, rate or distance, and eyes that look past each other.
     """
 
     name: str
@@ -361,8 +352,8 @@ class Headset:
     def flat_view(self) -> tuple[Fov, float]:
         """The field of view of one flat picture, and its width over its height.
 
-        It looks straight ahead, sees to both sides as far as the eye that sees farthest, but 75
-        degrees at most, and has the shape of both eyes' pictures side by side.
+        Straight ahead, as far to both sides as the eye that sees farthest, 75 degrees at most, and
+        as wide for its height as both eyes' pictures side by side.
         """
         if self.is_camera:
             return self.eyes[0].fov, self.aspect
@@ -381,10 +372,7 @@ class Headset:
         return scale, offset
 
     def through_lens(self, eye: int, places: NDArray[np.float64], colour: str) -> NDArray[np.float64]:
-        """Return the tangents (..., 2) that places (..., 2) in 0..1 of an eye's panel show.
-
-        NaN where the lens shows nothing.
-        """
+        """Return the tangents (..., 2) of places (..., 2) in 0..1 of a panel, NaN for none."""
         lens = self.eyes[eye].lens
         assert lens is not None
         scale, offset = self.lens_from_panel(eye, (1, 1))
@@ -395,12 +383,7 @@ _FLAT_MOST = math.tan(math.radians(75))
 
 
 def camera_display(
-    source: str,
-    fov: Fov,
-    size: tuple[int, int],
-    refresh_hz: float,
-    eye_distance_m: float = 0.0,
-    hidden: tuple[Polygon, ...] = (),
+    source: str, fov: Fov, size: tuple[int, int], refresh_hz: float, eye_distance_m: float, hidden: tuple[Polygon, ...]
 ) -> Headset:
     """Return the display of a camera: the head and the left eye are where it is.
 
