@@ -48,12 +48,10 @@ def face_views(view: View, side: int) -> tuple[View, ...]:
     return tuple(View(view.pose @ Pose(orientation_xyzw=face.eye_from_face), fov) for face in FACES)
 
 
-# Full angles. A plane's pixels grow with the square of the tangent: 160 degrees would double them,
-# for ten degrees.
+# Full angles. 160 degrees would double a plane's pixels, for ten degrees.
 ACROSS, UPRIGHT = math.radians(150), math.radians(140)
-# Times fewer pixels per tangent than the shown picture. Away from the axis a plane is sampled 1 /
-# cos^2 times as densely as on it, four times at 60 degrees. So where the usual picture of 90 to 110
-# degrees ends, a quarter of the density is half of what that picture has in its middle.
+# Times fewer pixels per tangent than the shown picture: a plane is sampled 1 / cos^2 times as
+# densely away from its axis, so that at 45 to 55 degrees half of the picture's middle is left.
 COARSER = 4
 
 

@@ -1,9 +1,7 @@
-"""Pictures that are sharp in one rectangle and coarser beyond it.
+"""Pictures that are sharp in one rectangle and coarser beyond: axis by axis, as streamers encode.
 
-The axis-aligned form that streamers encode: columns and rows beside the sharp rectangle hold
-several of the picture's. Source: Patney et al. 2016, Towards Foveated Rendering for Gaze-Tracked
-Virtual Reality (what is seen of a coarse rim); the piecewise-linear axes are those of Oculus'
-axis-aligned distorted transfer, which ALVR uses too.
+Source: Patney et al. 2016, Towards Foveated Rendering for Gaze-Tracked Virtual Reality (what is
+seen of a coarse rim); the axes are those of Oculus' axis-aligned distorted transfer, as in ALVR.
 """
 
 from __future__ import annotations

@@ -61,9 +61,8 @@ def _unit_quaternion(value: ArrayLike) -> Vector:
     return frozen(array / np.sqrt(array @ array), 4)
 
 
-# One rotation in plain floats, by SciPy's own formulas in its order of operations, so bit for bit
-# the same. A SciPy object costs 15 us, most of it to inspect its array argument, and a refresh
-# would make twenty.
+# Rotations in plain floats, by SciPy's own formulas in its order of operations, so bit for bit the
+# same. A SciPy object costs 15 us, and a refresh would make twenty.
 
 
 def matrix_of(q: Sequence[float]) -> NDArray[np.float64]:

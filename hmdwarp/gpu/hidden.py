@@ -28,9 +28,6 @@ class _Whole:
 
     fov, hidden = None, None
 
-    def rows(self, fov: Any, size: Size) -> NDArray[np.int32]:
-        return np.array([[0, size[1]]] * size[0], np.int32)
-
     def seen(self, fov: Any, size: Size) -> NDArray[np.bool_]:
         return np.ones(size[::-1], bool)
 
@@ -122,10 +119,9 @@ class HiddenAreas:
     ) -> None:
         """Make hidden pixels, or those of the "edge", black, without depth, and no hole either."""
         program = self._shaders.compute("gpu/hide.comp", WITH_DEPTH=int(inverse_depth is not None), HIDES=1)
-        hidden, size = view.hidden or WHOLE, colour.size
-        made, key = self._made.setdefault(hidden, {}), (view.fov, size)
+        made, key = self._made.setdefault(view.hidden, {}), (view.fov, size := colour.size)
         if key not in made:
-            rows = hidden.rows(view.fov, size).astype(np.float32)
+            rows = view.hidden.rows(view.fov, size).astype(np.float32)
             made[key] = self._gl.texture((size[0], 1), 2, rows.tobytes(), dtype="f4")
         made[key].use(UNIT)
         colour.bind_for_writing(0)

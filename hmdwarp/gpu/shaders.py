@@ -23,11 +23,9 @@ from .hidden import WHOLE, Grid, HiddenAreas
 
 VERSION = "#version 430"
 _INCLUDE = re.compile(r'^\s*#include\s+(?:"([^"]+)"|(\w+))\s*$')
-# Where a compiler's line says what it is about. Mesa: "0:14(3): error", NVIDIA: "0(14) : error",
-# AMD, Apple, Intel: "ERROR: 0:14:"
+# Of a compiler's line. Mesa: "0:14(3): error", NVIDIA: "0(14) : error", others: "ERROR: 0:14:"
 _PLACE = re.compile(r"^((?:ERROR: |WARNING: )?)0(?::(\d+)((?:\(\d+\))?)|\((\d+)\) ):", re.MULTILINE)
-# What opens a stage's part of a message. moderngl, when compiling: "vertex_shader", NVIDIA, when
-# linking: "Vertex info"
+# What opens a stage's part: "vertex_shader" of moderngl, or "Vertex info" of NVIDIA's linker
 _STAGE = re.compile(r"^(?=(vertex|fragment)(?:_shader| info)$)", re.MULTILINE | re.IGNORECASE)
 _DTYPES = {"f": np.float32, "i": np.int32, "I": np.uint32}  # by moderngl's letter for a uniform's type
 
@@ -273,12 +271,7 @@ class Compute:
     """A compute shader over a grid of pixels; with HIDES it leaves out what the lens hides."""
 
     def __init__(
-        self,
-        gl: moderngl.Context,
-        path: str,
-        defines: Defines,
-        grid: Grid | None = None,
-        areas: HiddenAreas | None = None,
+        self, gl: moderngl.Context, path: str, defines: Defines, over: tuple[Grid, HiddenAreas] | None = None
     ) -> None:
         flat = flatten(path, defines)
         self.path = path
@@ -292,7 +285,7 @@ class Compute:
         self.group = int(numbers.get(across, across)), int(numbers.get(down, down))
         self._most_groups = tuple(gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][:2])
         self.rows = int(numbers.get("ROWS", 1))
-        self._grid, self._hidden, self.skips = grid, areas, areas is not None
+        self._over, self.skips = over, over is not None
         self._last: tuple[int, int, int] | None = None
         self._groups = 0, 0
 
@@ -314,9 +307,9 @@ class Compute:
 
         Errors: InputError beyond the GL limit, where GL would drop a dispatch silently.
         """
-        if self._hidden is not None and self._grid is not None:
-            view = self._hidden.views.get(self._grid, WHOLE)
-            return self._hidden.bind(view, (width, height), self.group[0], self.rows, cell), 1
+        if self._over is not None:
+            grid, areas = self._over
+            return areas.bind(areas.views.get(grid, WHOLE), (width, height), self.group[0], self.rows, cell), 1
         across, down = self.group[0] * cell, self.group[1] * self.rows * cell
         groups = -(-width // across), -(-height // down)
         if groups[0] > self._most_groups[0] or groups[1] > self._most_groups[1]:
@@ -368,9 +361,9 @@ class ShaderLibrary:
         grid: the view (Grid) over whose pixels it runs, if inside hidden.skipping(True) it may
         leave out those that are hidden. Any type, as callers hand on dicts of defines.
         """
-        hidden = self.hidden if grid is not None and self.hidden.skips else None
-        defines |= {} if hidden is None else {"HIDES": 1}
-        return self._get((path,), defines, lambda: Compute(self._gl, path, defines, grid, hidden), hidden and grid)
+        over = (grid, self.hidden) if grid is not None and self.hidden.skips else None
+        defines |= {} if over is None else {"HIDES": 1}
+        return self._get((path,), defines, lambda: Compute(self._gl, path, defines, over), over and grid)
 
     def draw(self, vertex: str, fragment: str, **defines: object) -> Draw:
         """Return the vertex and fragment program of the two paths."""
