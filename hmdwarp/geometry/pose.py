@@ -37,9 +37,9 @@ def floats(value: ArrayLike, wanted: str = "numbers") -> Vector:
         raise InputError(f"expected {wanted}, found {in_brief(value)}") from error
 
 
-def frozen(value: ArrayLike, length: int = 3) -> Vector:
+def frozen(value: ArrayLike, length: int = 3, wanted: str = "") -> Vector:
     """Return so many finite numbers as a read-only float64 array of its own. Errors: InputError."""
-    array = np.array(floats(value, wanted := f"{length} finite numbers"))
+    array = np.array(floats(value, wanted := wanted or f"{length} finite numbers"))
     # The sum is quick, and finite unless an element is not; sums beyond 1e308 need a second look.
     if array.shape != (length,) or not (math.isfinite(sum(array.tolist())) or np.isfinite(array).all()):
         raise InputError(f"expected {wanted}, found {in_brief(value)}")
@@ -65,7 +65,7 @@ def _unit_quaternion(value: ArrayLike) -> Vector:
 # same. A SciPy object costs 15 us, and a refresh would make twenty.
 
 
-def matrix_of(q: Sequence[float]) -> NDArray[np.float64]:
+def matrix_of(q: Sequence[float]) -> Vector:
     """Return the matrix of a quaternion, which is normalised first; read-only."""
     x, y, z, w = q
     length = math.sqrt(x * x + y * y + z * z + w * w)
@@ -140,7 +140,7 @@ class Pose:
         return Rotation.from_quat(self.orientation_xyzw)
 
     @cached_property
-    def rotation_matrix(self) -> NDArray[np.float64]:
+    def rotation_matrix(self) -> Vector:
         """The orientation as a 3x3 matrix, read-only."""
         return matrix_of(self.orientation_xyzw.tolist())
 
@@ -209,7 +209,7 @@ class Pose:
         step = share * (other.position_m - self.position_m)
         return Pose(self.position_m + step, (self.rotation * Rotation.from_rotvec(share * turn)).as_quat())
 
-    def matrix(self) -> NDArray[np.float64]:
+    def matrix(self) -> Vector:
         """Return the 4x4 homogeneous matrix."""
         out = np.eye(4)
         out[:3, :3] = self.rotation_matrix
@@ -255,12 +255,9 @@ class RigidState:
     """world_from_body at one instant, and its motion in world axes."""
 
     pose: Pose
-    # of the body's origin
-    velocity_m_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen)
-    # about that origin, right-handed around its direction
-    angular_velocity_rad_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen)
-    # of the origin; gravity for thrown bodies
-    acceleration_m_s2: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen)
+    velocity_m_s: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen)  # of the body's origin
+    angular_velocity_rad_s: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen)  # right-handed about it
+    acceleration_m_s2: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen)  # of it; gravity where thrown
 
     def after(self, age_ns: int) -> Pose:
         """Return world_from_body `age_ns` later, at constant acceleration and angular velocity."""

@@ -15,6 +15,7 @@ from ..errors import NO_NUMBERS, InputError, in_brief
 from .pose import Pose, floats, frozen, real
 
 Size = tuple[int, int]
+Array = NDArray[np.float64]
 
 
 @attrs.frozen
@@ -144,41 +145,39 @@ class Fov:
         (left, right), (down, up) = (sorted(((-1 - off) / scale, (1 - off) / scale)) for scale, off in scales)
         return cls.from_tangents((left, right, down, up))
 
-    def intrinsics(self, size: tuple[int, int], *, centre: float = 0.0) -> tuple[float, float, float, float]:
+    def intrinsics(self, size: Size, *, centre: float = 0.0) -> tuple[float, float, float, float]:
         """Return (fx, fy, cx, cy) in pixels of a (w, h) picture: the inverse of from_intrinsics."""
         left, right, down, up = self.tangents.tolist()
         fx, fy = size[0] / (right - left), size[1] / (up - down)
         return fx, fy, -left * fx - 0.5 + centre, up * fy - 0.5 + centre
 
     @cached_property
-    def matrices(self) -> dict[Size | str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    def matrices(self) -> dict[Size | str, tuple[Array, Array]]:
         """What others make of it once: few, and used at every frame; of pictures by their size."""
         return {}
 
     @cached_property
-    def tangents(self) -> NDArray[np.float64]:
+    def tangents(self) -> Array:
         """(4,) left, right, down, up on the plane z = -1; read-only."""
         tangents = np.tan([self.left, self.right, self.down, self.up])
         tangents.flags.writeable = False
         return tangents
 
-    def pixel_from_tangent(self, size: tuple[int, int]) -> NDArray[np.float64]:
+    def pixel_from_tangent(self, size: Size) -> Array:
         """Return the 3x3 matrix from tangent (x, y, 1) to pixel (px, py, 1): 0 is bottom left."""
         left, right, down, up = self.tangents
         width, height = frozen(size, 2).tolist()
         sx, sy = width / (right - left), height / (up - down)
         return np.array([[sx, 0, -left * sx], [0, sy, -down * sy], [0, 0, 1.0]])
 
-    def pixels_per_degree(self, size: tuple[int, int]) -> float:
+    def pixels_per_degree(self, size: Size) -> float:
         """Return the mean of both axes at tangent 0, or at the nearest tangent inside."""
         left, right, down, up = self.tangents
         x, y = np.clip(0, left, right), np.clip(0, down, up)
         per_rad = [size[0] / (right - left) * (1 + x * x), size[1] / (up - down) * (1 + y * y)]
         return float(np.mean(per_rad) * math.pi / 180)
 
-    def guarded(
-        self, guard: Guard, size: tuple[int, int], least: tuple[int, int] = (0, 0)
-    ) -> tuple[Fov, tuple[int, int]]:
+    def guarded(self, guard: Guard, size: Size, least: Size = (0, 0)) -> tuple[Fov, Size]:
         """Return a field of view enlarged by the guard band, and its size in pixels.
 
         Pixels per tangent stay the same. Whole pixels are added on each side (factors round up), so
@@ -251,7 +250,7 @@ class Hidden:
     _grown: dict[tuple[float, ...], Hidden] = attrs.field(factory=dict, init=False, repr=False, eq=False)
 
     @classmethod
-    def of_rows(cls, rows: NDArray[np.float64], fov: Fov) -> Hidden:
+    def of_rows(cls, rows: Array, fov: Fov) -> Hidden:
         """Return what is hidden where a view's columns, from the left, see a part of their height.
 
         rows: (n, 2) first and last seen place, 0 (below) to 1; equal where a column sees nothing.
@@ -326,10 +325,7 @@ Gaze = tuple[float, float, float]
 
 
 def _check_gaze(_: object, __: object, gaze: Gaze | None) -> None:
-    try:
-        frozen((0, 0, -1) if gaze is None else gaze, 3)
-    except InputError as error:
-        raise InputError(f"gaze is {in_brief(gaze)}: expected a direction (x, y, z), or None") from error
+    frozen((0, 0, -1) if gaze is None else gaze, 3, "a gaze: a direction (x, y, z), or None")
 
 
 @attrs.frozen
@@ -371,7 +367,7 @@ class View:
         """Return (h, w): which pixels can be seen, the top row first."""
         return np.ones(size[::-1], bool) if self.hidden is None else self.hidden.seen(self.fov, size)[::-1]
 
-    def rays(self, size: tuple[int, int]) -> NDArray[np.float64]:
+    def rays(self, size: Size) -> Array:
         """Return (h, w, 3) directions in the eye through the pixel centres, z = -1, from below."""
         left, right, down, up = self.fov.tangents
         x = left + (np.arange(size[0]) + 0.5) * (right - left) / size[0]
@@ -398,7 +394,7 @@ class Eyes(Protocol):
         """Return the view of each eye, the left one first."""
 
 
-def guarded_eyes(views: Sequence[View], guard: Guard, size: tuple[int, int]) -> tuple[tuple[Fov, ...], tuple[int, int]]:
+def guarded_eyes(views: Sequence[View], guard: Guard, size: Size) -> tuple[tuple[Fov, ...], tuple[int, int]]:
     """Return the fields of view of all eyes with a guard band, and the one size they share.
 
     The smaller one is padded on the right and at the top. Errors: as Fov.guarded.
@@ -407,9 +403,7 @@ def guarded_eyes(views: Sequence[View], guard: Guard, size: tuple[int, int]) -> 
 
 
 @lru_cache(maxsize=64)  # every frame needs it for the same eyes
-def _guarded_fovs(
-    fovs: tuple[Fov, ...], guard: GuardBand, size: tuple[int, int]
-) -> tuple[tuple[Fov, ...], tuple[int, int]]:
+def _guarded_fovs(fovs: tuple[Fov, ...], guard: GuardBand, size: Size) -> tuple[tuple[Fov, ...], Size]:
     sizes = [fov.guarded(guard, size)[1] for fov in fovs]
     largest = (max(w for w, _ in sizes), max(h for _, h in sizes))
     return tuple(fov.guarded(guard, size, largest)[0] for fov in fovs), largest
@@ -427,11 +421,11 @@ class WarpMap:
     Source: McMillan and Bishop 1995, Plenoptic Modeling, eq. 8-10 (the planar form of their warp).
     """
 
-    H: NDArray[np.float64] = attrs.field(eq=attrs.cmp_using(np.array_equal))  # (3, 3); as e read-only from `between`
-    e: NDArray[np.float64] = attrs.field(eq=attrs.cmp_using(np.array_equal))  # (3,)
+    H: Array = attrs.field(eq=attrs.cmp_using(np.array_equal))  # (3, 3); as e read-only from `between`
+    e: Array = attrs.field(eq=attrs.cmp_using(np.array_equal))  # (3,)
 
     @classmethod
-    def between(cls, frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int, int]) -> WarpMap:
+    def between(cls, frm: View, frm_size: Size, to: View, to_size: Size) -> WarpMap:
         """Return the map between two views, computed relative to the eyes in float64.
 
         Parameters
@@ -447,9 +441,7 @@ class WarpMap:
         frm_size, to_size = (tuple(frozen(size, 2).tolist()) for size in (frm_size, to_size))
         return view_map(frm, frm_size, to, to_size)
 
-    def apply(
-        self, pixels: ArrayLike, inverse_depth: ArrayLike
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def apply(self, pixels: ArrayLike, inverse_depth: ArrayLike) -> tuple[Array, Array, Array]:
         """Return pixels (..., 2), inverse depth (...) and w (...) in the other view.
 
         Where w <= 0 pixel and depth are NaN: the picture has no such point.
@@ -472,7 +464,7 @@ class WarpMap:
 _MAPS: dict[tuple[int, int, Size, Size], tuple[View, View, WarpMap]] = {}  # the oldest first
 
 
-def view_map(frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int, int]) -> WarpMap:
+def view_map(frm: View, frm_size: Size, to: View, to_size: Size) -> WarpMap:
     """Return WarpMap.between unchecked, made once for the same two objects: each pass asks."""
     key = id(frm), id(to), frm_size, to_size
     if key in _MAPS:
@@ -492,14 +484,13 @@ def view_map(frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int,
     return made
 
 
-def _camera(fov: Fov, size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _camera(fov: Fov, size: Size) -> tuple[Array, Array]:
     """Return (3x3 from eye points (x, y, -1) to pixels, its inverse), and keep it."""
     pixel_from_eye = fov.pixel_from_tangent(size) @ np.diag([1.0, 1.0, -1.0])
     fov.matrices[size] = pixel_from_eye, np.asarray(np.linalg.inv(pixel_from_eye), np.float64)
     return fov.matrices[size]
 
 
-Array = NDArray[np.float64]
 MOST_MIRRORS = 8  # as in shaders/lib/mirrors.glsl
 
 
@@ -546,7 +537,7 @@ def mirrors_in_eye(mirrors: Sequence[Mirror], view: View) -> dict[str, object]:
     return {"mirror_count": len(mirrors), "mirror_reflectivity": reflectivity, **named}
 
 
-def tangents_of_pixels(view: View, size: tuple[int, int]) -> dict[str, tuple[float, float]]:
+def tangents_of_pixels(view: View, size: Size) -> dict[str, tuple[float, float]]:
     """Return uniforms of pixel rays: that of pixel p is (tangent_start + p * tangent_step, -1)."""
     left, right, down, up = view.fov.tangents
     return {"tangent_start": (left, down), "tangent_step": ((right - left) / size[0], (up - down) / size[1])}

@@ -23,20 +23,17 @@ from .textures import drawing_into
 _FRAMEBUFFER, _DEPTH_ATTACHMENT, _TEXTURE_2D, _COMPLETE = 0x8D40, 0x8D00, 0x0DE1, 0x8CD5
 _COPY_WRITE_BUFFER, _R32UI, _RED_INTEGER, _UNSIGNED_INT = 0x8F37, 0x8236, 0x8D94, 0x1405
 _MAP_READ, _MAP_WRITE, _MAP_INVALIDATE = 1, 2, 8  # the last: all of the buffer
-_LOADERS = (("libEGL.so.1", "eglGetProcAddress"), ("libGL.so.1", "glXGetProcAddress"))
 
 
 @functools.cache
 def _address_of() -> Callable[[bytes], int | None]:
     """Return the driver's function loader; either library knows the current context's functions."""
-    for library, name in _LOADERS:
+    for library, name in (("libEGL.so.1", "eglGetProcAddress"), ("libGL.so.1", "glXGetProcAddress")):
         try:
             return ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_char_p)((name, ctypes.CDLL(library)))
         except (OSError, AttributeError):
             continue
-    raise MachineError(
-        f"this machine has neither {' nor '.join(library for library, _ in _LOADERS)}: install libegl1 or libgl1"
-    )
+    raise MachineError("this machine has neither libEGL.so.1 nor libGL.so.1: install libegl1 or libgl1")
 
 
 @functools.cache
@@ -85,10 +82,8 @@ def depth_framebuffer(gl: moderngl.Context, texture: int, size: tuple[int, int])
     place_holder.release()
     if status != _COMPLETE:
         made.release()
-        raise MachineError(
-            f"this OpenGL driver cannot draw into the runtime's depth pictures (status {status:#x}): "
-            "use --no-depth-layer"
-        )
+        said = f"this OpenGL driver cannot draw into the runtime's depth pictures (status {status:#x})"
+        raise MachineError(f"{said}: use --no-depth-layer")
     return made
 
 

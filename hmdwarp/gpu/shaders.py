@@ -314,9 +314,8 @@ class Compute:
         groups = -(-width // across), -(-height // down)
         if groups[0] > self._most_groups[0] or groups[1] > self._most_groups[1]:
             most = " x ".join(map(str, self._most_groups))
-            raise InputError(
-                f"{self.path} needs {groups[0]} x {groups[1]} work groups, this GPU takes {most}: use smaller pictures"
-            )
+            found = f"{self.path} needs {groups[0]} x {groups[1]} work groups"
+            raise InputError(f"{found}, this GPU takes {most}: use smaller pictures")
         return groups
 
 

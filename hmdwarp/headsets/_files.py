@@ -85,9 +85,7 @@ def _vive_eye(data: Table, x: float, panel: tuple[float, float]) -> HeadsetEye:
 def _hmdq(data: Table, path: Path) -> Headset:
     found = _geometry(data)
     if found is None:
-        raise InputError(
-            "neither SteamVR's configuration (tracking_to_eye_transform) nor an export of hmdq (rec_rts and raw_eye)"
-        )
+        raise InputError("neither SteamVR's configuration (tracking_to_eye_transform) nor hmdq's (rec_rts and raw_eye)")
     size = found.numbers("rec_rts", 2)
     eyes = []
     for side in ("Left", "Right"):

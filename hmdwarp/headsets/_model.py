@@ -69,9 +69,9 @@ class _Round:
                 fold = int(grows.argmin())
                 at, r = r[fold], np.linspace(r[max(0, fold - 1)], r[fold + 1], _RADII)
             else:
+                why = "two panel pixels would show the same direction; correct its coefficients"
                 raise InputError(
-                    f"the lens of {colour} folds back at r = {at:.4g}, within its reach {reach:.4g}: "
-                    "two panel pixels would show the same direction; correct its coefficients"
+                    f"the lens of {colour} folds back at r = {at:.4g}, within its reach {reach:.4g}: {why}"
                 )
 
 
@@ -133,10 +133,9 @@ class TableLens(_Round):
         _refuse_unless_positive(unit_m=self.unit_m)
         for name, values in {"angle_deg": self.angle_deg, **self.distances}.items():
             if len(values) != len(self.angle_deg) or len(values) < 2 or values[0] != 0:
-                raise InputError(
-                    f"lens table {name} has {len(values)} values from {values[0] if values else 'none'}: expected "
-                    f"two or more from 0, as many as angle_deg has ({len(self.angle_deg)})"
-                )
+                wanted = f"two or more from 0, as many as angle_deg has ({len(self.angle_deg)})"
+                found = f"{len(values)} values from {values[0] if values else 'none'}"
+                raise InputError(f"lens table {name} has {found}: expected {wanted}")
             if (falls := np.diff(values) <= 0).any():
                 place = self.angle_deg[falls.argmax() + 1]
                 raise InputError(f"lens table {name} does not grow at {place:g} degrees")
@@ -277,15 +276,11 @@ class Headset:
         for side, cant in zip(("left", "right"), self.cants_deg, strict=False):
             way, most = ("outwards", 30.0) if cant >= 0 else ("inwards", 10.0)  # Pimax's 10 are the most on sale
             if abs(cant) > most:
-                raise InputError(
-                    f"the {side} eye is turned {way} by {abs(cant):g} degrees: expected at most {most:g}; outwards is "
-                    "positive"
-                )
+                wanted = f"expected at most {most:g}; outwards is positive"
+                raise InputError(f"the {side} eye is turned {way} by {abs(cant):g} degrees: {wanted}")
         if self.overlap_deg <= 0:
-            raise InputError(
-                f"the eyes' views have no direction in common: they lie {-self.overlap_deg:.1f} degrees apart; "
-                "left is negative in each eye's own view"
-            )
+            apart = f"they lie {-self.overlap_deg:.1f} degrees apart; left is negative in each eye's own view"
+            raise InputError(f"the eyes' views have no direction in common: {apart}")
 
     @property
     def notes(self) -> tuple[str, ...]:
