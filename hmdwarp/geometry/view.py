@@ -309,9 +309,7 @@ class Hidden:
             seen = binary_opening(np.pad(seen, 1, mode="edge"), np.ones((3, 3)))[1:-1, 1:-1]
         left, right, down, up = self.fov.tangents
         ends = to_pixel @ np.array([[left, right], [down, up], [1, 1]])
-        across, above = (
-            (places > low) & (places < high) for places, (low, high) in zip((columns, rows), ends, strict=False)
-        )
+        across, above = ((at > low) & (at < high) for at, (low, high) in zip((columns, rows), ends, strict=False))
         return np.asarray(seen & across & above[:, None])
 
     def seen(self, fov: Fov, size: Size) -> NDArray[np.bool_]:

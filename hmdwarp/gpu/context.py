@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import ctypes
-import functools
 import os
 import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
-from functools import partial
+from functools import cache, partial
 
 import attrs
 import moderngl
@@ -52,6 +51,7 @@ def create_context(*, shared: bool = False) -> moderngl.Context:
 _thread = threading.local()  # .gpu: GL calls of this thread go to its context
 _MANY = 1000  # released objects that moderngl still keeps
 _process: int | None = None  # which first made a context
+_idle: list[_Context] | None = None  # of closed Gpus, to be used again; None where they end
 
 
 def check_not_forked() -> None:
@@ -66,7 +66,7 @@ def check_not_forked() -> None:
         )
 
 
-@functools.cache
+@cache
 def _heap_trim() -> Callable[[int], int]:
     """Return what gives free memory back to the system: a function of glibc, or of nothing."""
     return getattr(ctypes.CDLL(None), "malloc_trim", int) if sys.platform == "linux" else int
@@ -85,9 +85,6 @@ class _Context:
     gl: moderngl.Context
     shaders: ShaderLibrary
     lent: dict[object, _Lent] = attrs.field(factory=dict)  # For passes of one Gpu after the other.
-
-
-_idle: list[_Context] | None = None  # of closed Gpus, to be used again; None where they end
 
 
 @contextmanager
@@ -147,12 +144,9 @@ class Gpu:
 
     def check_not_lost(self) -> None:
         """Raise MachineError if the driver has reset the GPU of this, the current context."""
-        reason = self._reset_status()
-        if reason:
-            raise MachineError(
-                f"{self.renderer} was reset, and its pictures are lost (OpenGL's reason {reason:#x}): start again; "
-                "if it comes back use smaller pictures, or another device with HMDWARP_EGL_DEVICE"
-            )
+        if reason := self._reset_status():
+            said = f"{self.renderer} was reset, and its pictures are lost (OpenGL's reason {reason:#x}): start again"
+            raise MachineError(f"{said}; if it comes back use smaller pictures, or another HMDWARP_EGL_DEVICE")
 
     def wait(self) -> None:
         """Wait until all is drawn, while other threads go on: moderngl's calls hold them up."""

@@ -111,7 +111,6 @@ def mapped(buffer: moderngl.Buffer, *, write: bool = False) -> Iterator[NDArray[
 VARIABLE = "HMDWARP_EGL_DEVICE"
 _DEVICE_PLATFORM, _OPENGL_API, _NONE = 0x313F, 0x30A2, 0x3038
 _CONFIG = (0x3033, 0x0001, 0x3040, 0x0008)  # surface type: pbuffer; renderable: OpenGL
-_CORE_PROFILE = (0x30FD, 0x0001)
 _LOSE_ON_RESET = (0x31BD, 0x31BF)  # reset notification strategy: the context is lost, and says so
 _MOST_DEVICES = 64
 _POINTER, _WORD = ctypes.c_void_p, ctypes.c_uint32
@@ -155,7 +154,7 @@ class EglContext:
         _egl("eglChooseConfig", _WORD, self._display, _attributes(*_CONFIG), *chosen)
         if not count.value:
             raise OSError("it draws no OpenGL")
-        wanted = (0x3098, version // 100, 0x30FB, version // 10 % 10, *_CORE_PROFILE)
+        wanted = (0x3098, version // 100, 0x30FB, version // 10 % 10, 0x30FD, 1)  # major, minor; core profile
         make = functools.partial(_egl, "eglCreateContext", _POINTER, self._display, config, None)
         try:
             self._context = make(_attributes(*wanted, *(() if shared else _LOSE_ON_RESET)))

@@ -91,6 +91,7 @@ _UNIFORM = re.compile(r"\s*uniform\s+(float|u?int|bool|[iu]?vec[234]|mat[234](?:
 _NAME = re.compile(r"\s*(\w+)\s*(?:\[\s*(\w+)\s*\])?\s*")
 _NUMBER = re.compile(r"\s*#\s*define\s+(\w+)\s+(\d+)\s*")
 Defines = Mapping[str, object]
+Flats = Sequence[_Flattened]
 _MOST_BYTES = 16384  # of a block, for every driver
 _BLOCK = "Uniforms_"
 
@@ -102,7 +103,7 @@ class Block:
     a declaration stay outside; all do where one name has two types.
     """
 
-    def __init__(self, flats: Sequence[_Flattened]) -> None:
+    def __init__(self, flats: Flats) -> None:
         self.views: dict[str, NDArray[Any]] = {}  # where each is written, as NumPy has it
         self.packs: dict[str, Callable[..., None]] = {}  # of numbers and vectors: a third of NumPy's time
         self.data, self.texts = bytearray(_MOST_BYTES), list[str]()
@@ -160,9 +161,7 @@ class Room:
     end: int = 0
 
 
-def built(
-    gl: moderngl.Context, flats: Sequence[_Flattened], build: Callable[..., Program], name: str
-) -> tuple[Program, Uniforms]:
+def built(gl: moderngl.Context, flats: Flats, build: Callable[..., Program], name: str) -> tuple[Program, Uniforms]:
     """Return the program that `build` makes of the stages' texts, and its uniforms.
 
     They are in a block, unless the context has no room left, or the text does not compile with it:
@@ -183,9 +182,7 @@ class Uniforms:
     A name that the shader text lacks is an error; a uniform that the compiler removed is fine.
     """
 
-    def __init__(
-        self, program: Any, flats: Sequence[_Flattened], name: str, block: Block | None = None, *place: Any
-    ) -> None:
+    def __init__(self, program: Any, flats: Flats, name: str, block: Block | None = None, *place: Any) -> None:
         self._name = name
         declared = " ".join(line.partition("//")[0] for flat in flats for line in flat.lines)
         names = {

@@ -84,6 +84,7 @@ class Laps(Lap):
     """Several laps, read as one."""
 
     def __init__(self, *laps: Lap) -> None:
+        super().__init__([])
         self._laps = laps
 
     def read(self) -> Stages:

@@ -21,7 +21,6 @@ from ._model import COLOURS, IPD_RANGE_M, MODELS, Array, Headset, HeadsetEye, Le
 REPORTED = "the views as the runtime reported them; no lens, because the runtime corrects it"
 _REFRESH_HZ = 90.0  # of a Vive; a file does not tell, --rate takes another
 _NAMES = {"red": "distortion_red", "green": "distortion", "blue": "distortion_blue"}
-_KINDS = ("DISTORT_DPOLY3",)
 
 
 def reported_headset(name: str, about: str, size: tuple[int, int], rate_hz: float, eyes: Eyes) -> Headset:
@@ -62,7 +61,7 @@ def _vive_eye(data: Table, x: float, panel: tuple[float, float]) -> HeadsetEye:
     centres, coefficients = {}, {}
     for colour, name in _NAMES.items():
         told = data.table(name)
-        told.word("type", _KINDS, _KINDS[0])
+        told.word("type", ("DISTORT_DPOLY3",), "DISTORT_DPOLY3")
         numbers = told.numbers("coeffs")
         if not 3 <= len(numbers) <= 8 or any(numbers[4:]):
             raise told.fault("coeffs", f"has {len(numbers)} numbers: expected 3 to 8, those after the fourth 0")
@@ -133,7 +132,7 @@ def load_headset(spec: str) -> Headset:
     `NAME:ipd=62` sets the distance of its pupils, in millimetres; `NAME:hidden=drawn`, before that,
     draws and counts what its lenses hide.
     Source: Valve's description of the HMD's JSON file; hmdq (R. Musil), as it reads OpenVR.
-    Errors: InputError naming the file and its fault, and for a distance outside its range.
+    Errors: InputError naming the file and its fault.
     """
     if not isinstance(spec, str):
         raise InputError(f"headset is {in_brief(spec)}: expected a name, or a file")

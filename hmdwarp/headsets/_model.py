@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Sequence
-from functools import partial
+from functools import cached_property, partial
 from typing import ClassVar, Self
 
 import attrs
@@ -70,9 +69,7 @@ class _Round:
                 at, r = r[fold], np.linspace(r[max(0, fold - 1)], r[fold + 1], _RADII)
             else:
                 why = "two panel pixels would show the same direction; correct its coefficients"
-                raise InputError(
-                    f"the lens of {colour} folds back at r = {at:.4g}, within its reach {reach:.4g}: {why}"
-                )
+                raise InputError(f"the lens of {colour} folds back at r = {at:.4g}, within {reach:.4g}: {why}")
 
 
 @attrs.frozen
@@ -195,6 +192,7 @@ def _whole_pixels(size: Sequence[float]) -> tuple[int, int]:
 # Source: Dodgson 2004, Variation and extrema of human interpupillary distance.
 IPD_RANGE_M = (0.052, 0.078)
 _COLUMNS = 512  # of the picture that the hidden share is counted in
+_FLAT_MOST = math.tan(math.radians(75))  # to each side of a flat picture
 _LEVEL, _LEVEL_COLUMNS = 1e-4, 8192  # half the height, and the columns, of the row at eye level
 
 
@@ -338,7 +336,7 @@ class Headset:
         """Return the eyes' views for a head pose, the left first."""
         return tuple([view.at(world_from_head @ view.head_from_eye) for view in self._views])
 
-    @functools.cached_property
+    @cached_property
     def _views(self) -> tuple[View, ...]:
         """The eyes' views for a head at the origin."""
         return tuple(View(eye.head_from_eye, eye.fov, eye.head_from_eye, eye.hidden) for eye in self.eyes)
@@ -372,9 +370,6 @@ class Headset:
         assert lens is not None
         scale, offset = self.lens_from_panel(eye, (1, 1))
         return lens.tangents(colour, places * scale + offset)
-
-
-_FLAT_MOST = math.tan(math.radians(75))
 
 
 def camera_display(
