@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from typing import ClassVar, Self
 
 import attrs
@@ -39,7 +39,7 @@ class _Round:
     axis_from_centre_m: Pair  # where its axis meets the eye's panel, from the panel's middle
     unit_m: float  # of the radius
     # Where a colour's axis lies beside the lens's own, in units; y up.
-    centres: dict[str, Pair] = attrs.field(factory=partial(dict.fromkeys, COLOURS, (0.0, 0.0)), kw_only=True)
+    centres: dict[str, Pair] = attrs.field(factory=lambda: dict.fromkeys(COLOURS, (0.0, 0.0)), kw_only=True)
 
     def scales(self, colour: str, r: Array) -> Array:
         """Return the tangent that it shows at radius r from the colour's axis, over r, or NaN."""
