@@ -40,6 +40,6 @@ case |= {"warps": ("median", "rotation"), "fills": ("none",), "out": out / "benc
 hmdwarp.bench.bench(hmdwarp.bench.BenchOptions(**case, **few))
 print({row["warp"]: round(row["flip"], 3) for row in hmdwarp.bench.read(out / "bench")})
 colour = np.random.default_rng(1).integers(0, 255, (80, 120, 3), np.uint8)
-views = (View(Pose((x, 0, 0)), Fov.symmetric_deg(90, 60)) for x in (0, 0.1))
+views = (View(Pose((x, 0, 0)), Fov.symmetric(*np.radians((90, 60)))) for x in (0, 0.1))
 frame = hmdwarp.warp_image(colour, np.full((80, 120), 2.0), *views, warp="median")
 Image.fromarray(frame.colour).save(out / "frame.png")

@@ -14,7 +14,7 @@ out = Path(sys.argv[1] if len(sys.argv) > 1 else "out/robot_recording")
 (out / "recording").mkdir(parents=True, exist_ok=True)
 
 # What a robot would have recorded: 10 frames a second of a drive along a corridor with stripes.
-size, fov = (96, 72), Fov.symmetric_deg(100, 84)
+size, fov = (96, 72), Fov.symmetric(*np.radians((100, 84)))
 rays = View(Pose(), fov).rays(size)[::-1]  # (h, w, 3), row 0 at the top; z is -1
 for number in range(12):
     x, z = 0.02 * number, -0.05 * number  # metres to the right, and ahead

@@ -12,7 +12,6 @@ from .geometry import Hidden as Hidden
 from .geometry import Pose as Pose
 from .geometry import View as View
 from .geometry import WarpMap as WarpMap
-from .geometry import inverse_depth_from_clip as inverse_depth_from_clip
 from .image.warper import WarpedImage as WarpedImage
 from .image.warper import Warper as Warper
 from .image.warper import warp_image as warp_image

@@ -22,7 +22,7 @@ def headset_for(lens: str) -> Headset:
     headset = load_headset("rift-dk1")
     others = {
         "table": TableLens((0.0, 0.0), 0.04, (0, 30, 55), dict.fromkeys(COLOURS, (0, 0.6, 1))),
-        "vive": ViveLens(1.2, dict.fromkeys(COLOURS, (0, 0)), dict.fromkeys(COLOURS, (-0.2, 0, 0, 0)), 1.2),
+        "vive": ViveLens((0.0, 0.0), 1.0, 1.2, dict.fromkeys(COLOURS, (-0.2, 0, 0, 0)), 1.2),
     }
     eyes = tuple(attrs.evolve(eye, lens=others.get(lens, eye.lens)) for eye in headset.eyes)
     return attrs.evolve(headset, eyes=eyes)

@@ -21,11 +21,11 @@ import hmdwarp
 ROOT = Path(__file__).resolve().parents[1]
 PUBLIC = {
     "DepthLayer", "Fov", "Hidden", "Panel", "HmdwarpError", "InputError", "MachineError", "Pose", "PoseTrack",
-    "RunOptions", "View", "WarpMap", "WarpedImage", "Warper", "choose", "compare", "inverse_depth_from_clip",
+    "RunOptions", "View", "WarpMap", "WarpedImage", "Warper", "choose", "compare",
     "load_trace", "replay", "warp_image", "__version__",
 }  # fmt: skip
 MODULES = {"bench", "check", "feed", "metrics", "sequences", "study"}
-FUNCTIONS = {"choose", "compare", "inverse_depth_from_clip", "load_trace", "replay", "warp_image"}
+FUNCTIONS = {"choose", "compare", "load_trace", "replay", "warp_image"}
 
 
 def test_these_names_and_no_others():
@@ -91,7 +91,6 @@ def public_calls():
     frames |= {"effects": "none", "repair": "none", "others": (), "layers": {}, "age_s": 0.0, "depth": False}
     track = {"time_ns": np.arange(3), "position_m": np.zeros((3, 3)), "orientation_xyzw": np.tile((0, 0, 0, 1), (3, 1))}
     panel = {"pictures": colour, "pose": pose, "size_m": (1, 1), "seconds": 1.0}
-    clip = {"d": depth_m, "near_m": 0.1, "far_m": 9.0, "ndc": "zero_to_one", "reversed_z": False}
     sizes = {"frm_size": (6, 4), "to_size": (6, 4)}
     pair = {"shown": colour, "truth": colour}
     options = dict.fromkeys(field.alias for field in attrs.fields(hmdwarp.RunOptions) if field.init)
@@ -102,7 +101,6 @@ def public_calls():
         "Pose.towards": (pose.towards, {"other": pose, "share": 0.5}),
         "Fov": (hmdwarp.Fov, {"left": -1, "right": 1, "down": -1, "up": 1}),
         "Fov.symmetric": (hmdwarp.Fov.symmetric, {"horizontal_rad": 1, "vertical_rad": 1}),
-        "Fov.symmetric_deg": (hmdwarp.Fov.symmetric_deg, {"horizontal_deg": 90, "vertical_deg": 90}),
         "Fov.from_tangents": (hmdwarp.Fov.from_tangents, {"tangents": (-1, 1, -1, 1)}),
         "Fov.from_intrinsics": (
             hmdwarp.Fov.from_intrinsics,
@@ -113,7 +111,6 @@ def public_calls():
         "WarpMap.between": (hmdwarp.WarpMap.between, {"frm": view, "to": view, **sizes}),
         "WarpMap.apply": (hmdwarp.WarpMap.between(view, (6, 4), view, (6, 4)).apply, {"pixels": (1, 2)}),
         "DepthLayer": (hmdwarp.DepthLayer, {"min_depth": 0, "max_depth": 1, "near_z": 0.1, "far_z": 9}),
-        "inverse_depth_from_clip": (hmdwarp.inverse_depth_from_clip, clip),
         "Panel": (hmdwarp.Panel, panel),
         "PoseTrack": (hmdwarp.PoseTrack, {**track, "jumps": (), "max_gap_ns": 9, "gaze": None, "notes": ()}),
         "load_trace": (hmdwarp.load_trace, {"options": None}),

@@ -21,7 +21,7 @@ from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
 
 SIZE, RATE_HZ = (640, 400), 30
-VIEW = Fov.symmetric_deg(96, 69.6)
+VIEW = Fov.symmetric(*np.radians((96, 69.6)))
 STARTS_S = {"walk": 1.0, "look-around": 2.0}
 STEPS = (-6, 0, 6, 12)  # of a codec's own quality
 

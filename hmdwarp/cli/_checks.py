@@ -130,10 +130,7 @@ def _opengl(known: Facts) -> Finding:
 
 def _devices(known: Facts) -> Finding:
     """List the devices that EGL knows, of which HMDWARP_EGL_DEVICE chooses one."""
-    listed = [
-        f"{device['index']}: {device['renderer']}{' at ' + device['file'] if device['file'] else ''}"
-        for device in known.get("devices", [])
-    ]
+    listed = [f"{device['index']}: {device['renderer']}" for device in known.get("devices", [])]
     if "error" in known:
         return Finding("EGL devices", OPTIONAL, "; ".join([*listed, _reason(known)]), facts=known)
     wanted = os.environ.get(egl.VARIABLE, "").strip()
@@ -182,8 +179,8 @@ def _probe_gl() -> None:
 def _probe_devices() -> None:
     """Report the devices that EGL knows, one after the other, with what draws on each."""
     known: list[dict[str, object]] = []
-    for device in egl.devices():
-        known.append({"index": device.index, "file": device.file, "renderer": egl.renderer_of(device, WANTED)})
+    for index, device in enumerate(egl.devices()):
+        known.append({"index": index, "renderer": egl.renderer_of(device, WANTED)})
         _report({"devices": known})
 
 

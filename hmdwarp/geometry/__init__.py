@@ -1,7 +1,4 @@
-"""Float64 geometry without a GPU: poses, views, the warp map between two views, depth conventions.
-
-This package does not depend on the rest of the program. Conventions: docs/conventions.md.
-"""
+"""Poses, views, the map between two views, and depth, in float64: docs/conventions.md."""
 
 import lazy_loader
 

@@ -4,7 +4,6 @@ from .cube import wide_fov as wide_fov
 from .cube import wide_size as wide_size
 from .cube import wide_view as wide_view
 from .depth import DepthLayer as DepthLayer
-from .depth import inverse_depth_from_clip as inverse_depth_from_clip
 from .depth import inverse_depth_from_metres as inverse_depth_from_metres
 from .depth import metres_from_inverse_depth as metres_from_inverse_depth
 from .fovea import AHEAD as AHEAD

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import attrs
 import numpy as np
@@ -13,10 +14,7 @@ from .view import Fov, View
 _Q = math.sqrt(0.5)  # of a quarter turn
 
 
-@attrs.frozen
-class _Face:
-    """One face of the cube."""
-
+class _Face(NamedTuple):
     name: str
     column: int  # where it lies in the picture
     row: int  # 0 is the bottom row
@@ -33,37 +31,27 @@ FACES = (
 )
 
 
-def inner_size(fov: Fov, size: tuple[int, int]) -> int:
-    """Return how many pixels span 90 degrees of a face as dense as the (w, h) picture of `fov`.
+def cube_size(fov: Fov, size: tuple[int, int]) -> tuple[int, int]:
+    """Return (w, h) of the six faces around an eye whose picture is (w, h) pixels of `fov`.
 
-    Density counts in pixels per tangent: looking along a face, no detail of the picture is lost.
+    They are as dense, so that looking along one loses no detail, and have borders of a pixel.
     """
     left, right, down, up = fov.tangents
-    return int(max(1, math.ceil(2 * max(size[0] / (right - left), size[1] / (up - down)) - 1e-6)))
-
-
-def cube_size(fov: Fov, size: tuple[int, int]) -> tuple[int, int]:
-    """Return (w, h) of the six faces around an eye whose picture is (w, h) pixels of `fov`."""
-    side = inner_size(fov, size) + 2
+    side = int(max(1, math.ceil(2 * max(size[0] / (right - left), size[1] / (up - down)) - 1e-6))) + 2
     return 3 * side, 2 * side
 
 
 def face_views(view: View, side: int) -> tuple[View, ...]:
-    """Return the views of FACES, borders included, around the eye of `view`.
-
-    side: n, at least 3 pixels.
-    """
+    """Return the views of FACES, borders included, around an eye. side: at least 3 pixels."""
     edge = side / (side - 2)
     fov = Fov.from_tangents((-edge, edge, -edge, edge))
     return tuple(View(view.pose @ Pose(orientation_xyzw=face.eye_from_face), fov) for face in FACES)
 
 
-# Full angles. A plane's pixels grow with the square of the tangent: 160 degrees would double them,
-# for ten degrees.
+# Full angles. 160 degrees would double a plane's pixels, for ten degrees.
 ACROSS, UPRIGHT = math.radians(150), math.radians(140)
-# Times fewer pixels per tangent than the shown picture. Away from the axis a plane is sampled 1 /
-# cos^2 times as densely as on it, four times at 60 degrees. So where the usual picture of 90 to 110
-# degrees ends, a quarter of the density is half of what that picture has in its middle.
+# Times fewer pixels per tangent than the shown picture: a plane is sampled 1 / cos^2 times as
+# densely away from its axis, so that at 45 to 55 degrees half of the picture's middle is left.
 COARSER = 4
 
 

@@ -1,8 +1,4 @@
-"""Convert depth in other conventions to inverse depth and back, once, at the interface.
-
-Inside, depth is `inverse_depth` in 1/m along -z: 0 is infinitely far, and it is linear across a
-plane in image space.
-"""
+"""Depth in other conventions to inverse depth (1/m along -z, 0 infinitely far) and back."""
 
 from __future__ import annotations
 
@@ -12,7 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError, in_brief
+from ..errors import InputError
 from .pose import floats, real
 
 HALF_STEP = 0.5 / (2**16 - 1)  # of a 16-bit buffer, the coarsest in use
@@ -67,15 +63,11 @@ class DepthLayer:
 
     def __attrs_post_init__(self) -> None:
         if not (self.near_z > 0 and self.far_z > 0) or self.near_z == self.far_z:
-            raise InputError(
-                f"depth planes near {self.near_z}, far {self.far_z}: "
-                "expected two different positive distances (inf allowed)"
-            )
+            wanted = "expected two different positive distances (inf allowed)"
+            raise InputError(f"depth planes near {self.near_z}, far {self.far_z}: {wanted}")
         if not (-1 <= self.min_depth < self.max_depth <= 1):
-            raise InputError(
-                f"depth range {self.min_depth}..{self.max_depth}: "
-                "expected min < max within 0..1 (or -1..1 for clip space)"
-            )
+            wanted = "expected min < max within 0..1 (or -1..1 for clip space)"
+            raise InputError(f"depth range {self.min_depth}..{self.max_depth}: {wanted}")
 
     def inverse_depth(self, d: ArrayLike) -> NDArray[np.float64]:
         """Return the inverse depth, in 1/m, of buffer values.
@@ -91,43 +83,7 @@ class DepthLayer:
         return np.where((share >= -slack) & (share <= 1 + slack), inverse, np.nan)
 
     def encode(self, inverse_depth: ArrayLike) -> NDArray[np.float64]:
-        """Return the buffer values of inverse depths.
-
-        Clamp those outside the planes, as clipping would.
-        """
+        """Return the buffer values of inverse depths, clamped to the planes as clipping would."""
         near, far = 1 / self.near_z, 1 / self.far_z
         share = (near - floats(inverse_depth)) / (near - far)
         return self.min_depth + np.clip(share, 0, 1) * (self.max_depth - self.min_depth)
-
-
-def inverse_depth_from_clip(
-    d: ArrayLike, near_m: float, far_m: float = math.inf, *, ndc: str = "zero_to_one", reversed_z: bool = False
-) -> NDArray[np.float64]:
-    """Return the inverse depth, in 1/m, of clip depth as GL, D3D or Vulkan have it.
-
-    Parameters
-    ----------
-    d : array_like
-        Values of the buffer.
-    near_m, far_m : float
-        Metres, near_m below far_m, which may be inf.
-    ndc : str
-        "zero_to_one" (D3D, Vulkan, a GL depth buffer) or "minus_one_to_one" (GL's own NDC).
-    reversed_z : bool
-        Whether near is at the upper end.
-
-    Raises
-    ------
-    InputError
-        For another ndc, and for near_m >= far_m.
-    """
-    if not isinstance(ndc, str) or ndc not in ("zero_to_one", "minus_one_to_one"):
-        raise InputError(f"unknown depth range {in_brief(ndc)}: expected zero_to_one or minus_one_to_one")
-    near_m, far_m = real(near_m), real(far_m)
-    if not near_m < far_m:
-        raise InputError(f"near {near_m} is not before far {far_m}; for a reversed buffer pass reversed_z=True")
-    low = -1.0 if ndc == "minus_one_to_one" else 0.0
-    if not isinstance(reversed_z, bool | np.bool_):
-        raise InputError(f"reversed_z is {in_brief(reversed_z)}: expected True or False")
-    near, far = (far_m, near_m) if reversed_z else (near_m, far_m)
-    return DepthLayer(low, 1.0, near, far).inverse_depth(d)

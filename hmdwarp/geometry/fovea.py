@@ -1,9 +1,7 @@
-"""Pictures that are sharp in one rectangle and coarser beyond it.
+"""Pictures that are sharp in one rectangle and coarser beyond: axis by axis, as streamers encode.
 
-The axis-aligned form that streamers encode: columns and rows beside the sharp rectangle hold
-several of the picture's. Source: Patney et al. 2016, Towards Foveated Rendering for Gaze-Tracked
-Virtual Reality (what is seen of a coarse rim); the piecewise-linear axes are those of Oculus'
-axis-aligned distorted transfer, which ALVR uses too.
+Source: Patney et al. 2016, Towards Foveated Rendering for Gaze-Tracked Virtual Reality (what is
+seen of a coarse rim); the axes are those of Oculus' axis-aligned distorted transfer, as in ALVR.
 """
 
 from __future__ import annotations
@@ -40,8 +38,7 @@ class Fovea:
     def sharp(self, fov: Fov, drawn: Size, size: Size) -> Size:
         """Return (w, h) of the sharp rectangle, at least, wherever the eye looks.
 
-        fov, drawn: a view, and (w, h) pixels of it. size: of the picture, as dense, that is made
-        coarser.
+        fov: a view of (w, h) pixels `drawn`. size: of the picture, as dense, that is made coarser.
         """
         left, right, down, up = fov.tangents.tolist()
         across = 2 * math.tan(math.radians(self.degrees) / 2)
@@ -54,10 +51,7 @@ class Fovea:
         return self._grid(self.sharp(fov, drawn, size), (0.0, 0.0), size).small
 
     def grid(self, view: View, size: Size) -> FoveaGrid:
-        """Return the grid whose sharp rectangle is around where the eye looks, within the picture.
-
-        view: of the picture of (w, h) pixels; its gaze, or straight ahead of the head.
-        """
+        """Return the grid around where the eye looks, or straight ahead of the head."""
         x, y = view.fov.pixel_from_tangent(size)[:2] @ np.array([*gaze_tangent(view), 1.0])
         return self._grid(self.sharp(view.fov, size, size), (float(x), float(y)), size)
 

@@ -21,19 +21,6 @@ Quaternion = tuple[float, float, float, float]
 MOST_M = 1e9  # of a coordinate: doubles are 0.1 um apart there; the earth's radius is 6.4e6
 
 
-def frozen(value: ArrayLike, length: int) -> Vector:
-    """Return so many finite numbers as a read-only float64 array. Errors: InputError."""
-    try:
-        array = np.array(value, dtype=np.float64)
-    except NO_NUMBERS as error:
-        raise InputError(f"expected {length} finite numbers, found {in_brief(value)}") from error
-    # The sum is quick, and finite unless an element is not; sums beyond 1e308 need a second look.
-    if array.shape != (length,) or not (math.isfinite(sum(array.tolist())) or np.isfinite(array).all()):
-        raise InputError(f"expected {length} finite numbers, found {in_brief(value)}")
-    array.setflags(write=False)
-    return array
-
-
 def real(value: float) -> float:
     """Return a number as a float. Errors: InputError."""
     try:
@@ -42,17 +29,22 @@ def real(value: float) -> float:
         raise InputError(f"expected a number, found {in_brief(value)}") from error
 
 
-def floats(value: ArrayLike) -> Vector:
+def floats(value: ArrayLike, wanted: str = "numbers") -> Vector:
     """Return numbers of any shape as a float64 array. Errors: InputError."""
     try:
         return np.asarray(value, dtype=np.float64)
     except NO_NUMBERS as error:
-        raise InputError(f"expected numbers, found {in_brief(value)}") from error
+        raise InputError(f"expected {wanted}, found {in_brief(value)}") from error
 
 
-def frozen3(value: ArrayLike) -> Vector:
-    """Return three finite numbers as a read-only float64 array. Errors: InputError."""
-    return frozen(value, 3)
+def frozen(value: ArrayLike, length: int = 3, wanted: str = "") -> Vector:
+    """Return so many finite numbers as a read-only float64 array of its own. Errors: InputError."""
+    array = np.array(floats(value, wanted := wanted or f"{length} finite numbers"))
+    # The sum is quick, and finite unless an element is not; sums beyond 1e308 need a second look.
+    if array.shape != (length,) or not (math.isfinite(sum(array.tolist())) or np.isfinite(array).all()):
+        raise InputError(f"expected {wanted}, found {in_brief(value)}")
+    array.setflags(write=False)
+    return array
 
 
 def _unit_quaternion(value: ArrayLike) -> Vector:
@@ -66,17 +58,14 @@ def _unit_quaternion(value: ArrayLike) -> Vector:
     if largest <= 1 and abs(x * x + y * y + z * z + w * w - 1) < 1e-15:
         return given
     array: Vector = given / largest  # so that neither 1e-200 nor 1e200 under- or overflows in the norm
-    array /= np.sqrt(array @ array)
-    array.flags.writeable = False
-    return array
+    return frozen(array / np.sqrt(array @ array), 4)
 
 
-# One rotation in plain floats, by SciPy's own formulas in its order of operations, so bit for bit
-# the same. A SciPy object costs 15 us, most of it to inspect its array argument, and a refresh
-# would make twenty.
+# Rotations in plain floats, by SciPy's own formulas in its order of operations, so bit for bit the
+# same. A SciPy object costs 15 us, and a refresh would make twenty.
 
 
-def matrix_of(q: Sequence[float]) -> NDArray[np.float64]:
+def matrix_of(q: Sequence[float]) -> Vector:
     """Return the matrix of a quaternion, which is normalised first; read-only."""
     x, y, z, w = q
     length = math.sqrt(x * x + y * y + z * z + w * w)
@@ -127,7 +116,7 @@ class Pose:
         For values that are not finite and for a zero quaternion.
     """
 
-    position_m: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3, eq=lambda place: tuple(place.tolist()))
+    position_m: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen, eq=lambda place: tuple(place.tolist()))
     orientation_xyzw: Vector = attrs.field(default=(0.0, 0.0, 0.0, 1.0), converter=_unit_quaternion, eq=False)
     # The orientation in plain floats, x y z w, as SciPy takes it: normalised once more.
     unit_quaternion: Quaternion = attrs.field(init=False, repr=False, eq=lambda q: max(q, tuple(-part for part in q)))
@@ -139,7 +128,7 @@ class Pose:
         return x / length, y / length, z / length, w / length
 
     def check_near(self, what: str) -> None:
-        """Check a pose of a user, for which pixels are drawn. Errors: InputError beyond MOST_M."""
+        """Raise InputError for a pose of a user beyond MOST_M."""
         if max(map(abs, self.position_m.tolist())) > MOST_M:
             raise InputError(f"{what}: position {self.position_m.tolist()}: expected at most {MOST_M:g} m")
 
@@ -151,7 +140,7 @@ class Pose:
         return Rotation.from_quat(self.orientation_xyzw)
 
     @cached_property
-    def rotation_matrix(self) -> NDArray[np.float64]:
+    def rotation_matrix(self) -> Vector:
         """The orientation as a 3x3 matrix, read-only."""
         return matrix_of(self.orientation_xyzw.tolist())
 
@@ -164,13 +153,12 @@ class Pose:
         """
         from scipy.spatial.transform import Rotation
 
-        found = np.asarray(matrix, np.float64)
+        found = floats(matrix)
         found = found.reshape(4, 4).T if found.shape == (16,) else found
-        if found.shape == (4, 4):
-            found = found if np.allclose(found[3], (0, 0, 0, 1)) else found.T
+        if found.shape == (4, 4) and not np.allclose(found[3], (0, 0, 0, 1)):
+            found = found.T
         turn, whole = found[:3, :3], found.shape in ((3, 4), (4, 4)) and np.isfinite(found).all()
-        last = found[3:] if whole else np.zeros((1, 4))
-        if not whole or not np.allclose(last, (0, 0, 0, 1)) or np.abs(turn @ turn.T - np.eye(3)).max() > 1e-3:
+        if not whole or not np.allclose(found[3:], (0, 0, 0, 1)) or np.abs(turn @ turn.T - np.eye(3)).max() > 1e-3:
             raise InputError(f"matrix is {in_brief(matrix)}: expected (4, 4), (3, 4) or 16 numbers that turn and move")
         if np.linalg.det(turn) < 0:
             raise InputError(f"matrix is {in_brief(matrix)}: it mirrors; expected a right-handed rotation")
@@ -198,9 +186,7 @@ class Pose:
     def relative_to(self, other: Pose) -> Pose:
         """Return other_from_self for two poses in the same frame, without passing its origin.
 
-        The positions are subtracted before anything is rotated, so two eyes 1 mm apart keep all
-        their digits even 1e6 m from the origin (the difference of neighbouring floats is exact,
-        Sterbenz 1974).
+        Two eyes 1 mm apart keep all their digits 1e6 m from it: positions are subtracted first.
         """
         if type(other) is not Pose:
             _check_pose(other)
@@ -223,7 +209,7 @@ class Pose:
         step = share * (other.position_m - self.position_m)
         return Pose(self.position_m + step, (self.rotation * Rotation.from_rotvec(share * turn)).as_quat())
 
-    def matrix(self) -> NDArray[np.float64]:
+    def matrix(self) -> Vector:
         """Return the 4x4 homogeneous matrix."""
         out = np.eye(4)
         out[:3, :3] = self.rotation_matrix
@@ -236,10 +222,7 @@ class Pose:
         return float((self.rotation.inv() * other.rotation).magnitude())
 
     def isclose(self, other: Pose, atol: float = 1e-9) -> bool:
-        """Return whether both poses agree within atol (metres, and radians of the angle between).
-
-        q and -q are the same rotation.
-        """
+        """Return whether both poses agree within atol: metres, and radians of the angle between."""
         return bool(self.angle_to(other) <= atol and np.abs(self.position_m - other.position_m).max() <= atol)
 
 
@@ -252,10 +235,7 @@ _set = object.__setattr__
 
 
 def trusted_pose(position: Vector, turn: Sequence[float]) -> Pose:
-    """Return Pose(position, turn) of a new array and an already normalised quaternion.
-
-    For what is computed from poses, in half the time of Pose(): little is left to check.
-    """
+    """Return Pose(position, turn) of a new array and a normalised quaternion, in half the time."""
     x, y, z, w = turn
     length = math.sqrt(x * x + y * y + z * z + w * w)
     is_unit = max(turn) <= 1 and min(turn) >= -1 and abs(x * x + y * y + z * z + w * w - 1) < 1e-15
@@ -275,12 +255,9 @@ class RigidState:
     """world_from_body at one instant, and its motion in world axes."""
 
     pose: Pose
-    # of the body's origin
-    velocity_m_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
-    # about that origin, right-handed around its direction
-    angular_velocity_rad_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
-    # of the origin; gravity for thrown bodies
-    acceleration_m_s2: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
+    velocity_m_s: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen)  # of the body's origin
+    angular_velocity_rad_s: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen)  # right-handed about it
+    acceleration_m_s2: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen)  # of it; gravity where thrown
 
     def after(self, age_ns: int) -> Pose:
         """Return world_from_body `age_ns` later, at constant acceleration and angular velocity."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache
 from typing import Any, Protocol
@@ -13,18 +12,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import NO_NUMBERS, InputError, in_brief
-from .pose import Pose, floats, frozen, frozen3, real
+from .pose import Pose, floats, frozen, real
 
 Size = tuple[int, int]
+Array = NDArray[np.float64]
 
 
 @attrs.frozen
 class GuardBand:
     """Two factors of the field of view in tangents, or the pixels of the picture that is drawn.
 
-    Pixels per tangent stay those of the shown picture, so factors of 1.25 and 1.125 make 1600x900
-    of 1280x800 pixels, and 1.41 times as many.
-    Errors: InputError for a factor below 1.
+    Pixels per tangent stay those of the shown picture: factors of 1.25 and 1.125 make 1600x900 of
+    1280x800. Errors: InputError for a factor below 1.
     """
 
     x: float = 1.0
@@ -63,29 +62,8 @@ class GuardBand:
     def check(self, shown: Size) -> None:
         """Raise InputError if a rendered size does not hold the shown picture."""
         if self.size is not None and (self.size[0] < shown[0] or self.size[1] < shown[1]):
-            raise InputError(
-                f"{self} is smaller than the shown picture's {shown[0]}x{shown[1]}: expected at least that on each "
-                "side, or a smaller --size"
-            )
-
-    def pads(self, tangents: Sequence[float], shown: Size) -> list[int]:
-        """Return the whole pixels to add: left, right, below, above. Errors: as check.
-
-        tangents: left, right, down, up of the shown view.
-        """
-        self.check(shown)
-        pads = []
-        for axis, factor in enumerate((self.x, self.y)):
-            sides = [abs(tangent) for tangent in tangents[2 * axis : 2 * axis + 2]]
-            if self.size is not None:
-                added = self.size[axis] - shown[axis]
-                first = round(added * sides[0] / sum(sides))
-                pads += [first, added - first]
-                continue
-            per_tangent = shown[axis] / (tangents[2 * axis + 1] - tangents[2 * axis])
-            # 1e-9: a guard of exactly whole pixels must not gain one by rounding.
-            pads += [math.ceil(side * per_tangent * (factor - 1) - 1e-9) for side in sides]
-        return pads
+            wanted = "expected at least that on each side, or a smaller --size"
+            raise InputError(f"{self} is smaller than the shown picture's {shown[0]}x{shown[1]}: {wanted}")
 
 
 Guard = float | tuple[float, float] | GuardBand
@@ -115,10 +93,8 @@ class Fov:
     def __attrs_post_init__(self) -> None:
         angles = (self.left, self.right, self.down, self.up)
         if not all(abs(a) <= _MAX_ANGLE for a in angles) or self.left >= self.right or self.down >= self.up:
-            shown = ", ".join(f"{a:.6g}" for a in angles)
-            raise InputError(
-                f"no field of view: left, right, down, up = {shown} rad; needs left < right, down < up, within +-1.562"
-            )
+            found = "left, right, down, up = " + ", ".join(f"{a:.6g}" for a in angles)
+            raise InputError(f"no field of view: {found} rad; needs left < right, down < up, within +-1.562")
 
     @classmethod
     def symmetric(cls, horizontal_rad: float, vertical_rad: float) -> Fov:
@@ -127,16 +103,8 @@ class Fov:
         return cls(-x, x, -y, y)
 
     @classmethod
-    def symmetric_deg(cls, horizontal_deg: float, vertical_deg: float) -> Fov:
-        """Return the field of view of two full angles in degrees."""
-        return cls.symmetric(*map(math.radians, (real(horizontal_deg), real(vertical_deg))))
-
-    @classmethod
     def from_tangents(cls, tangents: ArrayLike) -> Fov:
-        """Return the field of view of the four tangents left, right, down, up.
-
-        Errors: InputError.
-        """
+        """Return the field of view of the tangents left, right, down, up. Errors: InputError."""
         return cls(*np.arctan(frozen(tangents, 4)))
 
     @classmethod
@@ -177,59 +145,57 @@ class Fov:
         (left, right), (down, up) = (sorted(((-1 - off) / scale, (1 - off) / scale)) for scale, off in scales)
         return cls.from_tangents((left, right, down, up))
 
-    def intrinsics(self, size: tuple[int, int], *, centre: float = 0.0) -> tuple[float, float, float, float]:
+    def intrinsics(self, size: Size, *, centre: float = 0.0) -> tuple[float, float, float, float]:
         """Return (fx, fy, cx, cy) in pixels of a (w, h) picture: the inverse of from_intrinsics."""
         left, right, down, up = self.tangents.tolist()
         fx, fy = size[0] / (right - left), size[1] / (up - down)
         return fx, fy, -left * fx - 0.5 + centre, up * fy - 0.5 + centre
 
     @cached_property
-    def matrices(self) -> dict[Size | str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    def matrices(self) -> dict[Size | str, tuple[Array, Array]]:
         """What others make of it once: few, and used at every frame; of pictures by their size."""
         return {}
 
     @cached_property
-    def tangents(self) -> NDArray[np.float64]:
+    def tangents(self) -> Array:
         """(4,) left, right, down, up on the plane z = -1; read-only."""
         tangents = np.tan([self.left, self.right, self.down, self.up])
         tangents.flags.writeable = False
         return tangents
 
-    def pixel_from_tangent(self, size: tuple[int, int]) -> NDArray[np.float64]:
-        """Return the 3x3 matrix from tangent (x, y, 1) to pixel (px, py, 1) of a (w, h) picture.
-
-        The origin is bottom left, pixel centres lie at i + 0.5.
-        """
+    def pixel_from_tangent(self, size: Size) -> Array:
+        """Return the 3x3 matrix from tangent (x, y, 1) to pixel (px, py, 1): 0 is bottom left."""
         left, right, down, up = self.tangents
         width, height = frozen(size, 2).tolist()
         sx, sy = width / (right - left), height / (up - down)
         return np.array([[sx, 0, -left * sx], [0, sy, -down * sy], [0, 0, 1.0]])
 
-    def pixels_per_degree(self, size: tuple[int, int]) -> float:
-        """Return the mean of both axes at the view's centre.
-
-        The centre is tangent 0, or the nearest tangent inside.
-        """
+    def pixels_per_degree(self, size: Size) -> float:
+        """Return the mean of both axes at tangent 0, or at the nearest tangent inside."""
         left, right, down, up = self.tangents
         x, y = np.clip(0, left, right), np.clip(0, down, up)
         per_rad = [size[0] / (right - left) * (1 + x * x), size[1] / (up - down) * (1 + y * y)]
         return float(np.mean(per_rad) * math.pi / 180)
 
-    def guarded(
-        self, guard: Guard, size: tuple[int, int], least: tuple[int, int] = (0, 0)
-    ) -> tuple[Fov, tuple[int, int]]:
+    def guarded(self, guard: Guard, size: Size, least: Size = (0, 0)) -> tuple[Fov, Size]:
         """Return a field of view enlarged by the guard band, and its size in pixels.
 
         Pixels per tangent stay the same. Whole pixels are added on each side (factors round up), so
         the pixel centres of the unguarded view are pixel centres of the guarded one, and an unmoved
-        head loses nothing.
-        guard: a factor in tangents, one for each axis, or a GuardBand.
-        least: pad to this size, on the right and at the top.
+        head loses nothing. least: pad to this size, on the right and at the top.
         Errors: as GuardBand; InputError if the view leaves 89.5 degrees.
         """
         left, right, down, up = self.tangents.tolist()
         per_x, per_y = size[0] / (right - left), size[1] / (up - down)
-        pad = GuardBand.of(guard).pads((left, right, down, up), size)
+        band, pad = GuardBand.of(guard), list[int]()
+        band.check(size)
+        for axis, per, factor, (low, high) in ((0, per_x, band.x, (left, right)), (1, per_y, band.y, (down, up))):
+            if band.size is not None:
+                added = band.size[axis] - size[axis]
+                first = round(added * abs(low) / (abs(low) + abs(high)))
+                pad += [first, added - first]
+            else:  # 1e-9: a guard of exactly whole pixels must not gain one by rounding
+                pad += [math.ceil(abs(side) * per * (factor - 1) - 1e-9) for side in (low, high)]
         pad[1] += max(0, least[0] - size[0] - pad[0] - pad[1])
         pad[3] += max(0, least[1] - size[1] - pad[2] - pad[3])
         if not any(pad):
@@ -246,8 +212,8 @@ def is_a(kind: type, *, optional: bool = False) -> Callable[[object, attrs.Attri
 
     def check(_: object, field: attrs.Attribute[Any], value: object) -> None:
         if not (isinstance(value, kind) or (optional and value is None)):
-            none = ", or None" if optional else ""
-            raise InputError(f"{field.name} is {in_brief(value)}: expected a hmdwarp.{kind.__name__}{none}")
+            wanted = f"a hmdwarp.{kind.__name__}{', or None' * optional}"
+            raise InputError(f"{field.name} is {in_brief(value)}: expected {wanted}")
 
     return check
 
@@ -256,9 +222,8 @@ def _check_polygons(_: object, __: object, polygons: Sequence[Polygon]) -> None:
     try:
         [frozen(point, 2) for polygon in polygons for point in polygon]
     except (InputError, *NO_NUMBERS) as error:
-        raise InputError(
-            f"polygons {in_brief(polygons)}: expected a list of polygons, each of points (x, y) in tangents"
-        ) from error
+        wanted = "a list of polygons, each of points (x, y) in tangents"
+        raise InputError(f"polygons {in_brief(polygons)}: expected {wanted}") from error
 
 
 @attrs.frozen
@@ -276,11 +241,6 @@ class Hidden:
         The view without a guard band.
     margins : tuple of float
         By how many tangents what is drawn goes beyond what is seen: left, right, down, up.
-
-    Raises
-    ------
-    InputError
-        For what are no polygons.
     """
 
     polygons: tuple[Polygon, ...] = attrs.field(validator=_check_polygons)
@@ -290,7 +250,7 @@ class Hidden:
     _grown: dict[tuple[float, ...], Hidden] = attrs.field(factory=dict, init=False, repr=False, eq=False)
 
     @classmethod
-    def of_rows(cls, rows: NDArray[np.float64], fov: Fov) -> Hidden:
+    def of_rows(cls, rows: Array, fov: Fov) -> Hidden:
         """Return what is hidden where a view's columns, from the left, see a part of their height.
 
         rows: (n, 2) first and last seen place, 0 (below) to 1; equal where a column sees nothing.
@@ -304,10 +264,8 @@ class Hidden:
     def within(self, fov: Fov) -> Hidden:
         """Return it for a field of view with a guard band: a late frame needs as much beyond it."""
         margins = tuple(np.abs(fov.tangents - self.fov.tangents).tolist())
-        if margins == self.margins:
-            return self
         if margins not in self._grown:
-            self._grown[margins] = Hidden(self.polygons, self.fov, margins)
+            self._grown[margins] = self if margins == self.margins else Hidden(self.polygons, self.fov, margins)
         return self._grown[margins]
 
     def rows(self, fov: Fov, size: Size) -> NDArray[np.int32]:
@@ -351,9 +309,7 @@ class Hidden:
             seen = binary_opening(np.pad(seen, 1, mode="edge"), np.ones((3, 3)))[1:-1, 1:-1]
         left, right, down, up = self.fov.tangents
         ends = to_pixel @ np.array([[left, right], [down, up], [1, 1]])
-        across, above = (
-            (places > low) & (places < high) for places, (low, high) in zip((columns, rows), ends, strict=False)
-        )
+        across, above = ((at > low) & (at < high) for at, (low, high) in zip((columns, rows), ends, strict=False))
         return np.asarray(seen & across & above[:, None])
 
     def seen(self, fov: Fov, size: Size) -> NDArray[np.bool_]:
@@ -367,10 +323,7 @@ Gaze = tuple[float, float, float]
 
 
 def _check_gaze(_: object, __: object, gaze: Gaze | None) -> None:
-    try:
-        frozen((0, 0, -1) if gaze is None else gaze, 3)
-    except InputError as error:
-        raise InputError(f"gaze is {in_brief(gaze)}: expected a direction (x, y, z), or None") from error
+    frozen((0, 0, -1) if gaze is None else gaze, 3, "a gaze: a direction (x, y, z), or None")
 
 
 @attrs.frozen
@@ -389,11 +342,6 @@ class View:
         What is neither drawn nor shown; None for nothing.
     gaze : tuple of float or None
         Unit direction in the head's axes in which the eye looks; None where it is not known.
-
-    Raises
-    ------
-    InputError
-        For parts of another type.
     """
 
     pose: Pose = attrs.field(validator=is_a(Pose))
@@ -417,11 +365,8 @@ class View:
         """Return (h, w): which pixels can be seen, the top row first."""
         return np.ones(size[::-1], bool) if self.hidden is None else self.hidden.seen(self.fov, size)[::-1]
 
-    def rays(self, size: tuple[int, int]) -> NDArray[np.float64]:
-        """Return (h, w, 3) directions in eye space through the pixel centres.
-
-        z = -1; the bottom row comes first.
-        """
+    def rays(self, size: Size) -> Array:
+        """Return (h, w, 3) directions in the eye through the pixel centres, z = -1, from below."""
         left, right, down, up = self.fov.tangents
         x = left + (np.arange(size[0]) + 0.5) * (right - left) / size[0]
         y = down + (np.arange(size[1]) + 0.5) * (up - down) / size[1]
@@ -441,35 +386,25 @@ def _like(view: View, **changed: object) -> View:
 
 
 class Eyes(Protocol):
-    """The places of the eyes in the head, and their fields of view.
-
-    A headset's, or a runtime's, which may change.
-    """
+    """Where the eyes are in the head, and their fields of view; a runtime's may change."""
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
         """Return the view of each eye, the left one first."""
 
 
-def guarded_eyes(views: Sequence[View], guard: Guard, size: tuple[int, int]) -> tuple[tuple[Fov, ...], tuple[int, int]]:
+def guarded_eyes(views: Sequence[View], guard: Guard, size: Size) -> tuple[tuple[Fov, ...], tuple[int, int]]:
     """Return the fields of view of all eyes with a guard band, and the one size they share.
 
-    Symmetric pairs have one size anyway; otherwise the smaller one is padded on the right and at
-    the top.
-    Errors: as Fov.guarded.
+    The smaller one is padded on the right and at the top. Errors: as Fov.guarded.
     """
     return _guarded_fovs(tuple([view.fov for view in views]), GuardBand.of(guard), size)
 
 
 @lru_cache(maxsize=64)  # every frame needs it for the same eyes
-def _guarded_fovs(
-    fovs: tuple[Fov, ...], guard: GuardBand, size: tuple[int, int]
-) -> tuple[tuple[Fov, ...], tuple[int, int]]:
+def _guarded_fovs(fovs: tuple[Fov, ...], guard: GuardBand, size: Size) -> tuple[tuple[Fov, ...], Size]:
     sizes = [fov.guarded(guard, size)[1] for fov in fovs]
     largest = (max(w for w, _ in sizes), max(h for _, h in sizes))
     return tuple(fov.guarded(guard, size, largest)[0] for fov in fovs), largest
-
-
-_FLIP_Z = np.diag([1.0, 1.0, -1.0])  # tangent point (x, y, 1) <-> eye point (x, y, -1)
 
 
 @attrs.frozen
@@ -482,18 +417,13 @@ class WarpMap:
     (infinitely far), for a zero baseline (e = 0) and far from the world origin.
 
     Source: McMillan and Bishop 1995, Plenoptic Modeling, eq. 8-10 (the planar form of their warp).
-
-    Parameters
-    ----------
-    H, e : numpy.ndarray
-        (3, 3) and (3,), float64, read-only from `between`.
     """
 
-    H: NDArray[np.float64] = attrs.field(eq=attrs.cmp_using(np.array_equal))
-    e: NDArray[np.float64] = attrs.field(eq=attrs.cmp_using(np.array_equal))
+    H: Array = attrs.field(eq=attrs.cmp_using(np.array_equal))  # (3, 3); as e read-only from `between`
+    e: Array = attrs.field(eq=attrs.cmp_using(np.array_equal))  # (3,)
 
     @classmethod
-    def between(cls, frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int, int]) -> WarpMap:
+    def between(cls, frm: View, frm_size: Size, to: View, to_size: Size) -> WarpMap:
         """Return the map between two views, computed relative to the eyes in float64.
 
         Parameters
@@ -502,27 +432,17 @@ class WarpMap:
             From whose pixels, and to whose.
         frm_size, to_size : tuple of int
             (w, h) of their pictures.
-
-        Raises
-        ------
-        InputError
-            For what is no view or size.
         """
-        if type(frm_size) is tuple is type(to_size) and type(frm) is View is type(to):
-            return view_map(frm, frm_size, to, to_size)
         for view in (frm, to):
             if not isinstance(view, View):
                 raise InputError(f"expected a hmdwarp.View, found {in_brief(view)}")
         frm_size, to_size = (tuple(frozen(size, 2).tolist()) for size in (frm_size, to_size))
         return view_map(frm, frm_size, to, to_size)
 
-    def apply(
-        self, pixels: ArrayLike, inverse_depth: ArrayLike
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def apply(self, pixels: ArrayLike, inverse_depth: ArrayLike) -> tuple[Array, Array, Array]:
         """Return pixels (..., 2), inverse depth (...) and w (...) in the other view.
 
-        pixels: (..., 2); inverse_depth: (...). Where w <= 0 pixel and depth are NaN: the picture
-        has no such point.
+        Where w <= 0 pixel and depth are NaN: the picture has no such point.
         """
         pixels, inverse_depth = floats(pixels), floats(inverse_depth)
         if pixels.shape[-1:] != (2,):
@@ -533,19 +453,16 @@ class WarpMap:
         return homogeneous[..., :2] / safe[..., None], inverse_depth / safe, w
 
     def moves_whole_pixels(self) -> bool:
-        """Return whether every pixel centre lands on a pixel centre at any depth.
-
-        That is, nothing moved, or only a guard band was cut off.
-        """
+        """Return whether nothing moved, or only a guard band was cut off."""
         (a, b, x), (c, d, y), (f, g, h) = self.H.tolist()
         off = (a - 1, b, x - round(x), c, d - 1, y - round(y), f, g, h - 1, *self.e.tolist())
         return bool(max(map(abs, off)) <= 1e-9)  # px: what rounding leaves of equal poses, below any real motion
 
 
-_MAPS: OrderedDict[tuple[int, int, Size, Size], tuple[View, View, WarpMap]] = OrderedDict()
+_MAPS: dict[tuple[int, int, Size, Size], tuple[View, View, WarpMap]] = {}  # the oldest first
 
 
-def view_map(frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int, int]) -> WarpMap:
+def view_map(frm: View, frm_size: Size, to: View, to_size: Size) -> WarpMap:
     """Return WarpMap.between unchecked, made once for the same two objects: each pass asks."""
     key = id(frm), id(to), frm_size, to_size
     if key in _MAPS:
@@ -555,27 +472,23 @@ def view_map(frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int,
     position_m = to_from_world @ (frm.pose.position_m - to.pose.position_m)
     k_to = (to.fov.matrices.get(to_size) or _camera(to.fov, to_size))[0]
     k_frm_inverse = (frm.fov.matrices.get(frm_size) or _camera(frm.fov, frm_size))[1]
-    made = WarpMap.__new__(WarpMap)
-    turned = k_to @ (to_from_world @ frm.pose.rotation_matrix) @ k_frm_inverse
+    made, turned = WarpMap.__new__(WarpMap), k_to @ (to_from_world @ frm.pose.rotation_matrix) @ k_frm_inverse
     for name, values in (("H", turned), ("e", k_to @ position_m)):
         values.flags.writeable = False
         _set(made, name, values)
     if len(_MAPS) >= 32:  # a refresh of both eyes makes 18
-        _MAPS.popitem(last=False)
+        del _MAPS[next(iter(_MAPS))]
     _MAPS[key] = frm, to, made
     return made
 
 
-def _camera(fov: Fov, size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return (3x3 from eye points (x, y, -1) to pixels, its inverse), read-only, and keep it."""
-    pixel_from_eye = fov.pixel_from_tangent(size) @ _FLIP_Z
-    eye_from_pixel = np.asarray(np.linalg.inv(pixel_from_eye), np.float64)
-    pixel_from_eye.flags.writeable = eye_from_pixel.flags.writeable = False
-    fov.matrices[size] = pixel_from_eye, eye_from_pixel
+def _camera(fov: Fov, size: Size) -> tuple[Array, Array]:
+    """Return (3x3 from eye points (x, y, -1) to pixels, its inverse), and keep it."""
+    pixel_from_eye = fov.pixel_from_tangent(size) @ np.diag([1.0, 1.0, -1.0])
+    fov.matrices[size] = pixel_from_eye, np.asarray(np.linalg.inv(pixel_from_eye), np.float64)
     return fov.matrices[size]
 
 
-Array = NDArray[np.float64]
 MOST_MIRRORS = 8  # as in shaders/lib/mirrors.glsl
 
 
@@ -587,9 +500,9 @@ class Mirror:
     (radius_m > 0) is the ball around centre; right and up are then 0.
     """
 
-    centre_m: Array = attrs.field(converter=frozen3)
-    right_m: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
-    up_m: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
+    centre_m: Array = attrs.field(converter=frozen)
+    right_m: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen)
+    up_m: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen)
     radius_m: float = 0.0
     reflectivity: float = 1.0  # at normal incidence, 0 to 1; more at grazing angles (Schlick 1994)
 
@@ -622,10 +535,7 @@ def mirrors_in_eye(mirrors: Sequence[Mirror], view: View) -> dict[str, object]:
     return {"mirror_count": len(mirrors), "mirror_reflectivity": reflectivity, **named}
 
 
-def tangents_of_pixels(view: View, size: tuple[int, int]) -> dict[str, tuple[float, float]]:
-    """Return uniforms of pixel rays.
-
-    The ray of pixel p is (tangent_start + p * tangent_step, -1).
-    """
+def tangents_of_pixels(view: View, size: Size) -> dict[str, tuple[float, float]]:
+    """Return uniforms of pixel rays: that of pixel p is (tangent_start + p * tangent_step, -1)."""
     left, right, down, up = view.fov.tangents
     return {"tangent_start": (left, down), "tangent_step": ((right - left) / size[0], (up - down) / size[1])}

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import ctypes
-import functools
 import os
 import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
-from functools import partial
+from functools import cache, partial
 
 import attrs
 import moderngl
@@ -31,40 +30,34 @@ HOW_TO_GET_GL = (
 def create_context(*, shared: bool = False) -> moderngl.Context:
     """Create a standalone context: through EGL without any display, else through the window system.
 
-    shared: for a runtime that shares its own with it, such as OpenXR's; then nobody is told of a
-    reset of the GPU.
-    Errors: InputError for an HMDWARP_EGL_DEVICE that names no device, MachineError naming what was
-    tried and what to install.
+    shared: as of egl.EglContext. Errors: InputError for a wrong HMDWARP_EGL_DEVICE, MachineError.
     """
-    ways: dict[str, Callable[[], moderngl.Context]] = {}
-    if os.name == "posix":
-        ways["egl"] = partial(egl.create_context, WANTED, shared=shared)
+    ways = [] if os.name != "posix" else [("egl", partial(egl.create_context, WANTED, shared=shared))]
     if os.name != "posix" or os.environ.get("DISPLAY"):
-        ways["window system"] = partial(moderngl.create_context, standalone=True, require=WANTED)
+        ways.append(("window system", partial(moderngl.create_context, standalone=True, require=WANTED)))
     failures = []
-    for name, way in ways.items():
+    for name, way in ways:
         try:
             context = way()
+            context.gc_mode = "context_gc"
+            return context
         except InputError:
             raise
         except Exception as error:  # moderngl raises bare Exception here
             failures.append(f"{name}: {error}")
-        else:
-            context.gc_mode = "context_gc"
-            return context
     raise MachineError(f"no OpenGL {WANTED / 100:.1f} here ({'; '.join(failures)}): {HOW_TO_GET_GL}")
 
 
 _thread = threading.local()  # .gpu: GL calls of this thread go to its context
 _MANY = 1000  # released objects that moderngl still keeps
 _process: int | None = None  # which first made a context
+_idle: list[_Context] | None = None  # of closed Gpus, to be used again; None where they end
 
 
 def check_not_forked() -> None:
-    """Do nothing where OpenGL can be used.
+    """Raise InputError in a process forked from one that had a context.
 
-    Errors: InputError in a process forked from one that had a context. There llvmpipe waits for
-    ever for its threads, which a fork does not copy; other drivers share one state with the parent.
+    There llvmpipe waits for ever for its threads, which a fork does not copy.
     """
     if _process not in (None, os.getpid()):
         raise InputError(
@@ -73,47 +66,37 @@ def check_not_forked() -> None:
         )
 
 
-@functools.cache
-def _heap_trim() -> Callable[[int], int] | None:
-    """Return the C library's function that returns free memory to the system, None without one."""
-    return getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform == "linux" else None
+@cache
+def _heap_trim() -> Callable[[int], int]:
+    """Return what gives free memory back to the system: a function of glibc, or of nothing."""
+    return getattr(ctypes.CDLL(None), "malloc_trim", int) if sys.platform == "linux" else int
 
 
 @attrs.define(eq=False)
 class _Lent:
-    """What passes of one context after the other may use, made of something that is held too."""
-
     thing: moderngl.Texture
-    source: object
+    source: object  # It is made of this, whose id must stay its own.
     users: int = 0
     last: Gpu | None = None  # The Gpu that used it last.
 
 
 @attrs.frozen(eq=False)
 class _Context:
-    """A context with what is compiled and lent in it."""
-
     gl: moderngl.Context
     shaders: ShaderLibrary
-    lent: dict[object, _Lent] = attrs.field(factory=dict)
-
-
-_idle: list[_Context] | None = None  # of closed Gpus, to be used again; None where they end
+    lent: dict[object, _Lent] = attrs.field(factory=dict)  # For passes of one Gpu after the other.
 
 
 @contextmanager
 def contexts_kept() -> Iterator[None]:
     """Use contexts of closed Gpus again in this block, with compiled programs and lent textures."""
     global _idle  # noqa: PLW0603 (of the process, as its contexts)
-    if _idle is not None:
-        yield
-        return
-    _idle = []
+    before, _idle = _idle, [] if _idle is None else _idle
     try:
         yield
     finally:
-        left, _idle = _idle, None
-        for context in left:
+        left, _idle = _idle, before
+        for context in left if before is None else []:
             context.gl.release()
 
 
@@ -147,6 +130,7 @@ class Gpu:
         self.renderer: str = self.gl.info["GL_RENDERER"]
         self.version: str = self.gl.info["GL_VERSION"]
         self.max_texture_size: int = self.gl.info["GL_MAX_TEXTURE_SIZE"]
+        self.is_software = is_software(self.gl)  # Whether the CPU renders (llvmpipe, softpipe, SwiftShader).
         self.shaders = self._context.shaders
         self.timer = StageTimer(self.gl)
         self._reset_status = reset_status_of(self.gl)
@@ -158,29 +142,14 @@ class Gpu:
         """Whether it is closed, or of the process that this one was forked from."""
         return self._closed or self._process != os.getpid()
 
-    @property
-    def is_software(self) -> bool:
-        """Whether the CPU renders (llvmpipe, softpipe, SwiftShader)."""
-        return is_software(self.gl)
-
     def check_not_lost(self) -> None:
-        """Do nothing while the context lives; costs less than a microsecond.
-
-        It must be current. Errors: MachineError once the driver has reset the GPU: every call is
-        ignored since then, and what is read back means nothing.
-        """
-        reason = self._reset_status()
-        if reason:
-            raise MachineError(
-                f"{self.renderer} was reset, and its pictures are lost (OpenGL's reason {reason:#x}): start again; "
-                "if it comes back use smaller pictures, or another device with HMDWARP_EGL_DEVICE"
-            )
+        """Raise MachineError if the driver has reset the GPU of this, the current context."""
+        if reason := self._reset_status():
+            said = f"{self.renderer} was reset, and its pictures are lost (OpenGL's reason {reason:#x}): start again"
+            raise MachineError(f"{said}; if it comes back use smaller pictures, or another HMDWARP_EGL_DEVICE")
 
     def wait(self) -> None:
-        """Wait until everything is drawn, while other threads go on: moderngl's calls hold them up.
-
-        Half a second of 2048x2048 pixels on a CPU, after which reading takes a few ms.
-        """
+        """Wait until all is drawn, while other threads go on: moderngl's calls hold them up."""
         gl_function("glFinish", None)()
 
     def forget_released(self) -> None:
@@ -195,15 +164,10 @@ class Gpu:
                 kept.release()
 
     def give_back_memory(self) -> None:
-        """Give freed memory, of textures too, back to the system, where the CPU renders.
-
-        It takes a millisecond or two. Otherwise the C library keeps it, between blocks in use.
-        """
-        trim = _heap_trim() if self.is_software else None
-        if trim is not None:
-            # The driver frees a texture once nothing that runs reads it.
-            self.gl.finish()
-            trim(0)
+        """Give freed memory back to the system in a millisecond or two, where the CPU renders."""
+        if self.is_software:
+            self.gl.finish()  # The driver frees a texture once nothing that runs reads it.
+            _heap_trim()(0)
 
     def free_later(self, free: Callable[[], object]) -> None:
         """Call `free` when the context is next made current; for finalizers, in any thread."""
@@ -211,10 +175,7 @@ class Gpu:
 
     @contextmanager
     def current(self) -> Iterator[Gpu]:
-        """Direct GL calls of this thread to this context inside the block, and back after it.
-
-        Errors: InputError if it is closed; as check_not_forked.
-        """
+        """Direct GL calls of this thread here in the block. Errors: InputError if closed."""
         check_not_forked()
         if self.closed:
             raise InputError("this OpenGL context is closed: make another Gpu, and what uses it")
@@ -233,33 +194,23 @@ class Gpu:
                 _make_current(before)
 
     def step_aside(self) -> None:
-        """Make the previous Gpu current.
-
-        Any one thread may then use this one inside `with gpu.current():`.
-        """
+        """Make the previous Gpu current; any one thread may then use this one inside current()."""
         _make_current(self._before)
 
     def close(self) -> None:
-        """Free all resources of the context.
-
-        Does nothing after the first time, and in a forked process.
-        """
+        """Free all resources of the context, once; a forked process leaves them alone."""
         if self.closed:
             return
         before = getattr(_thread, "gpu", None)
         _make_current(self)
-        trim = _heap_trim() if self.is_software else None
         self._release()
-        if trim is not None:
-            trim(0)
+        if self.is_software:
+            _heap_trim()(0)
         self._closed, _thread.gpu = True, None
         _make_current(self._before if before is self else before)
 
     def lend(self, source: object, key: Hashable, make: Callable[[], moderngl.Texture]) -> moderngl.Texture:
-        """Return the texture made of a source, which must not change, as the key says.
-
-        All users of the context share it, and must not write into it.
-        """
+        """Return the texture made of a source as the key says, shared: neither may change."""
         lent = self._context.lent.get((id(source), key))
         if lent is None:
             lent = self._context.lent[id(source), key] = _Lent(make(), source)

@@ -1,7 +1,6 @@
-"""OpenGL contexts without a display: which devices EGL knows, and a context on one of them.
+"""OpenGL contexts on EGL's devices, without a display, and the few GL calls that moderngl lacks.
 
-And the few GL calls that moderngl lacks: its own backend takes no device by name and makes
-contexts that are not told of a reset.
+Its own backend makes contexts that do not report a reset of the GPU.
 Source: EGL 1.5; EGL_EXT_device_enumeration, EGL_EXT_platform_device.
 """
 
@@ -14,32 +13,27 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, cast
 
-import attrs
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, MachineError
+from .textures import drawing_into
 
-_FRAMEBUFFER, _DRAW_BINDING, _READ_BINDING = 0x8D40, 0x8CA6, 0x8CAA
-_DRAW_FRAMEBUFFER, _READ_FRAMEBUFFER = 0x8CA9, 0x8CA8
-_DEPTH_ATTACHMENT, _TEXTURE_2D, _COMPLETE = 0x8D00, 0x0DE1, 0x8CD5
+_FRAMEBUFFER, _DEPTH_ATTACHMENT, _TEXTURE_2D, _COMPLETE = 0x8D40, 0x8D00, 0x0DE1, 0x8CD5
 _COPY_WRITE_BUFFER, _R32UI, _RED_INTEGER, _UNSIGNED_INT = 0x8F37, 0x8236, 0x8D94, 0x1405
 _MAP_READ, _MAP_WRITE, _MAP_INVALIDATE = 1, 2, 8  # the last: all of the buffer
-_LOADERS = (("libEGL.so.1", "eglGetProcAddress"), ("libGL.so.1", "glXGetProcAddress"))
 
 
 @functools.cache
 def _address_of() -> Callable[[bytes], int | None]:
     """Return the driver's function loader; either library knows the current context's functions."""
-    for library, name in _LOADERS:
+    for library, name in (("libEGL.so.1", "eglGetProcAddress"), ("libGL.so.1", "glXGetProcAddress")):
         try:
             return ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_char_p)((name, ctypes.CDLL(library)))
         except (OSError, AttributeError):
             continue
-    raise MachineError(
-        f"this machine has neither {' nor '.join(library for library, _ in _LOADERS)}: install libegl1 or libgl1"
-    )
+    raise MachineError("this machine has neither libEGL.so.1 nor libGL.so.1: install libegl1 or libgl1")
 
 
 @functools.cache
@@ -74,36 +68,22 @@ def clear_buffer(buffer: moderngl.Buffer, word: int) -> None:
 
 
 def depth_framebuffer(gl: moderngl.Context, texture: int, size: tuple[int, int]) -> moderngl.Framebuffer:
-    """Return a framebuffer around a foreign depth texture, by its GL name.
+    """Return a framebuffer around a foreign depth texture, by its GL name; it stays the caller's.
 
-    The texture stays the caller's.
-
-    moderngl accepts no foreign depth texture: the framebuffer gets one of its own, which is then
-    exchanged.
+    moderngl accepts none: the framebuffer gets one of its own, which is then exchanged.
     Errors: MachineError if the driver cannot draw into it.
     """
-    place_holder = gl.depth_texture(size)
-    made = gl.framebuffer(depth_attachment=place_holder)
+    made = gl.framebuffer(depth_attachment=(place_holder := gl.depth_texture(size)))
     uint = ctypes.c_uint32
-    bind = gl_function("glBindFramebuffer", None, uint, uint)
     attach = gl_function("glFramebufferTexture2D", None, uint, uint, uint, uint, ctypes.c_int32)
-    check = gl_function("glCheckFramebufferStatus", uint, uint)
-    get = gl_function("glGetIntegerv", None, uint, ctypes.POINTER(ctypes.c_int32))
-    drawn, read = ctypes.c_int32(), ctypes.c_int32()
-    get(_DRAW_BINDING, ctypes.byref(drawn))
-    get(_READ_BINDING, ctypes.byref(read))
-    bind(_FRAMEBUFFER, made.glo)
-    attach(_FRAMEBUFFER, _DEPTH_ATTACHMENT, _TEXTURE_2D, texture, 0)
-    status = check(_FRAMEBUFFER)
-    bind(_DRAW_FRAMEBUFFER, drawn.value)
-    bind(_READ_FRAMEBUFFER, read.value)
+    with drawing_into(made):
+        attach(_FRAMEBUFFER, _DEPTH_ATTACHMENT, _TEXTURE_2D, texture, 0)
+        status = gl_function("glCheckFramebufferStatus", uint, uint)(_FRAMEBUFFER)
     place_holder.release()
     if status != _COMPLETE:
         made.release()
-        raise MachineError(
-            f"this OpenGL driver cannot draw into the runtime's depth pictures (status {status:#x}): "
-            "use --no-depth-layer"
-        )
+        said = f"this OpenGL driver cannot draw into the runtime's depth pictures (status {status:#x})"
+        raise MachineError(f"{said}: use --no-depth-layer")
     return made
 
 
@@ -129,73 +109,30 @@ def mapped(buffer: moderngl.Buffer, *, write: bool = False) -> Iterator[NDArray[
 
 
 VARIABLE = "HMDWARP_EGL_DEVICE"
-_DEVICE_PLATFORM, _DRM_FILE, _EXTENSIONS = 0x313F, 0x3233, 0x3055
-_OPENGL_API, _NONE = 0x30A2, 0x3038
+_DEVICE_PLATFORM, _OPENGL_API, _NONE = 0x313F, 0x30A2, 0x3038
 _CONFIG = (0x3033, 0x0001, 0x3040, 0x0008)  # surface type: pbuffer; renderable: OpenGL
-_CORE_PROFILE = (0x30FD, 0x0001)
 _LOSE_ON_RESET = (0x31BD, 0x31BF)  # reset notification strategy: the context is lost, and says so
 _MOST_DEVICES = 64
+_POINTER, _WORD = ctypes.c_void_p, ctypes.c_uint32
 
 
-@attrs.frozen
-class Device:
-    """One device that EGL knows."""
-
-    index: int
-    file: str  # The kernel's file of a GPU, such as /dev/dri/card0; "" for a software renderer.
-    handle: int = attrs.field(repr=False)  # EGL's pointer.
-
-
-class _Egl:
-    """The library's functions, each of which raises OSError where it fails."""
-
-    def __init__(self) -> None:
-        self._library = ctypes.CDLL("libEGL.so.1")
-        self.find = self._library.eglGetProcAddress
-        self.find.restype, self.find.argtypes = ctypes.c_void_p, [ctypes.c_char_p]
-
-    def current(self) -> tuple[int, int]:
-        """Return this thread's display and context, 0 for none."""
-        find = [self._library.eglGetCurrentDisplay, self._library.eglGetCurrentContext]
-        for function in find:
-            function.restype, function.argtypes = ctypes.c_void_p, []
-        return find[0]() or 0, find[1]() or 0
-
-    def call(self, name: str, result: Any, *arguments: Any) -> Any:
-        """Return what a function answers; arguments are ctypes values, or integers for pointers."""
-        given = [ctypes.c_void_p(argument) if isinstance(argument, int) else argument for argument in arguments]
-        address = self.find(name.encode())
-        if not address:
-            raise OSError(f"EGL has no {name}")
-        answer = ctypes.CFUNCTYPE(result)(address)(*given)
-        if not answer:
-            self._library.eglGetError.restype = ctypes.c_int32
-            raise OSError(f"{name} failed ({self._library.eglGetError():#x})")
-        return answer
+def _egl(name: str, result: Any, *arguments: Any) -> Any:
+    """Return what a function of EGL answers. Errors: OSError where it fails."""
+    answer = gl_function(name, result, *[_POINTER] * len(arguments))(*arguments)  # a register each
+    if not answer:
+        raise OSError(f"{name} failed ({gl_function('eglGetError', ctypes.c_int32)():#x})")
+    return answer
 
 
-@functools.cache
-def _egl() -> _Egl:
-    return _Egl()
+def _attributes(*pairs: int) -> Any:
+    return (ctypes.c_int32 * (len(pairs) + 1))(*pairs, _NONE)
 
 
-def devices() -> list[Device]:
-    """Return the devices in EGL's order.
-
-    Errors: OSError, in one line, where there is no EGL, or one that cannot list devices.
-    """
-    egl, count = _egl(), ctypes.c_int32()
-    handles = (ctypes.c_void_p * _MOST_DEVICES)()
-    egl.call("eglQueryDevicesEXT", ctypes.c_int32, ctypes.c_int32(_MOST_DEVICES), handles, ctypes.byref(count))
-    known = [handle or 0 for handle in handles[: count.value]]
-    found = []
-    for index, handle in enumerate(known):
-        try:
-            file = egl.call("eglQueryDeviceStringEXT", ctypes.c_char_p, handle, ctypes.c_int32(_DRM_FILE)).decode()
-        except OSError:  # a software renderer has none
-            file = ""
-        found.append(Device(index, file, handle))
-    return found
+def devices() -> list[int]:
+    """Return EGL's handles of the devices, in its order. Errors: OSError, MachineError."""
+    handles, count = (_POINTER * _MOST_DEVICES)(), ctypes.c_int32()
+    _egl("eglQueryDevicesEXT", _WORD, _MOST_DEVICES, handles, ctypes.byref(count))
+    return [handle or 0 for handle in handles[: count.value]]
 
 
 class EglContext:
@@ -208,88 +145,68 @@ class EglContext:
 
     standalone = True
 
-    def __init__(self, device: Device, version: int, *, shared: bool = False) -> None:
-        egl = self._egl = _egl()
-        platform, none = ctypes.c_uint32(_DEVICE_PLATFORM), _attributes(())
-        self._display = egl.call("eglGetPlatformDisplayEXT", ctypes.c_void_p, platform, device.handle, none)
-        egl.call("eglInitialize", ctypes.c_uint32, self._display, 0, 0)
-        egl.call("eglBindAPI", ctypes.c_uint32, ctypes.c_uint32(_OPENGL_API))
-        config, count = ctypes.c_void_p(), ctypes.c_int32()
-        egl.call(
-            "eglChooseConfig", ctypes.c_uint32, self._display, _attributes(_CONFIG),
-            ctypes.byref(config), ctypes.c_int32(1), ctypes.byref(count),
-        )  # fmt: skip
+    def __init__(self, device: int, version: int, *, shared: bool = False) -> None:
+        self._display = _egl("eglGetPlatformDisplayEXT", _POINTER, _DEVICE_PLATFORM, device, _attributes())
+        _egl("eglInitialize", _WORD, self._display, None, None)
+        _egl("eglBindAPI", _WORD, _OPENGL_API)
+        config, count = _POINTER(), ctypes.c_int32()
+        chosen = ctypes.byref(config), 1, ctypes.byref(count)
+        _egl("eglChooseConfig", _WORD, self._display, _attributes(*_CONFIG), *chosen)
         if not count.value:
             raise OSError("it draws no OpenGL")
-        wanted = (0x3098, version // 100, 0x30FB, version // 10 % 10, *_CORE_PROFILE)
-        pointer = ctypes.c_void_p
-        make = functools.partial(egl.call, "eglCreateContext", pointer, self._display, config, pointer(0))
+        wanted = (0x3098, version // 100, 0x30FB, version // 10 % 10, 0x30FD, 1)  # major, minor; core profile
+        make = functools.partial(_egl, "eglCreateContext", _POINTER, self._display, config, None)
         try:
-            self._context = make(_attributes(wanted if shared else (*wanted, *_LOSE_ON_RESET)))
+            self._context = make(_attributes(*wanted, *(() if shared else _LOSE_ON_RESET)))
         except OSError:
-            self._context = make(_attributes(wanted))
+            self._context = make(_attributes(*wanted))
         self.__enter__()
 
     def load(self, name: str) -> int:
         """Return the address of a GL function, 0 where there is none."""
-        return self._egl.find(name.encode()) or 0
+        return _address_of()(name.encode()) or 0
 
     def __enter__(self) -> None:
-        _make_current(self._display, self._context)
+        _egl("eglMakeCurrent", _WORD, self._display, None, None, self._context)
 
     def __exit__(self, *_: object) -> None:
-        self._egl.call("eglMakeCurrent", ctypes.c_uint32, self._display, 0, 0, 0)
+        _egl("eglMakeCurrent", _WORD, self._display, None, None, None)
 
     def release(self) -> None:
         """Destroy the context. Its display stays: others on the device share it."""
-        self._egl.call("eglDestroyContext", ctypes.c_uint32, self._display, self._context)
+        _egl("eglDestroyContext", _WORD, self._display, self._context)
 
 
-def _attributes(pairs: tuple[int, ...]) -> Any:
-    return (ctypes.c_int32 * (len(pairs) + 1))(*pairs, _NONE)
-
-
-def create_context(version: int, *, shared: bool = False) -> moderngl.Context:
-    """Return a context on the device of number HMDWARP_EGL_DEVICE, else on the first that has one.
-
-    shared: see EglContext. Errors: InputError where there is no such device; OSError where none has
-    OpenGL.
-    """
-    found, wanted, failures = devices(), os.environ.get(VARIABLE, "").strip(), []
-    chosen = [device for device in found if not wanted or str(device.index) == wanted]
-    if wanted and not chosen:
-        known = "; ".join(f"{device.index}: {renderer_of(device, version)}" for device in found)
-        raise InputError(
-            f"{VARIABLE}={wanted} names no device here, expected one of {known or 'none'}: give its number"
-        )
-    for device in chosen:
-        try:
-            return _on(device, version, shared)
-        except (OSError, ValueError) as error:
-            failures.append(f"device {device.index}: {error}")
-    raise OSError("; ".join(failures) or "EGL lists no device")
-
-
-def _make_current(display: int, context: int) -> None:
-    if context:
-        _egl().call("eglMakeCurrent", ctypes.c_uint32, display, 0, 0, context)
-
-
-def _on(device: Device, version: int, shared: bool = False) -> moderngl.Context:
-    before = _egl().current()
+def _on(device: int, version: int, shared: bool = False) -> moderngl.Context:
     made = EglContext(device, version, shared=shared)
     try:
         return moderngl.create_context(standalone=True, require=version, context=cast(Any, made))
     except Exception as error:  # moderngl raises bare Exception here
         made.__exit__()
         made.release()
-        _make_current(*before)
         raise OSError(str(error)) from error
 
 
-def renderer_of(device: Device, version: int) -> str:
-    """Return the name of what draws there, or why nothing does: a context is made for it."""
-    before = _egl().current()
+def create_context(version: int, *, shared: bool = False) -> moderngl.Context:
+    """Return a context on the device of number HMDWARP_EGL_DEVICE, else on the first that has one.
+
+    shared, and errors: as of EglContext; InputError where there is no such device.
+    """
+    found, wanted, failures = dict(enumerate(devices())), os.environ.get(VARIABLE, "").strip(), []
+    chosen = {index: device for index, device in found.items() if wanted in ("", str(index))}
+    if wanted and not chosen:
+        known = ", ".join(map(str, found)) or "none"
+        raise InputError(f"{VARIABLE}={wanted} names no device here, expected one of {known}: 'hmdwarp doctor'")
+    for index, device in chosen.items():
+        try:
+            return _on(device, version, shared)
+        except (OSError, ValueError) as error:
+            failures.append(f"device {index}: {error}")
+    raise OSError("; ".join(failures) or "EGL lists no device")
+
+
+def renderer_of(device: int, version: int) -> str:
+    """Return the name of what draws there, or why nothing does; then no context is current."""
     try:
         gl = _on(device, version)
     except OSError as error:
@@ -297,5 +214,4 @@ def renderer_of(device: Device, version: int) -> str:
     name = str(gl.info["GL_RENDERER"])
     gl.__exit__(None, None, None)
     gl.release()
-    _make_current(*before)
     return name

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
 from typing import Any, TypeVar
 
 import moderngl
@@ -24,11 +23,9 @@ from .hidden import WHOLE, Grid, HiddenAreas
 
 VERSION = "#version 430"
 _INCLUDE = re.compile(r'^\s*#include\s+(?:"([^"]+)"|(\w+))\s*$')
-# Where a compiler's line says what it is about. Mesa: "0:14(3): error", NVIDIA: "0(14) : error",
-# AMD, Apple, Intel: "ERROR: 0:14:"
+# Of a compiler's line. Mesa: "0:14(3): error", NVIDIA: "0(14) : error", others: "ERROR: 0:14:"
 _PLACE = re.compile(r"^((?:ERROR: |WARNING: )?)0(?::(\d+)((?:\(\d+\))?)|\((\d+)\) ):", re.MULTILINE)
-# What opens a stage's part of a message. moderngl, when compiling: "vertex_shader", NVIDIA, when
-# linking: "Vertex info"
+# What opens a stage's part: "vertex_shader" of moderngl, or "Vertex info" of NVIDIA's linker
 _STAGE = re.compile(r"^(?=(vertex|fragment)(?:_shader| info)$)", re.MULTILINE | re.IGNORECASE)
 _DTYPES = {"f": np.float32, "i": np.int32, "I": np.uint32}  # by moderngl's letter for a uniform's type
 
@@ -57,25 +54,16 @@ class _Flattened:
         return _PLACE.sub(origin, message)
 
 
-def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path | None = None) -> _Flattened:
+def flatten(path: str, defines: Mapping[str, object] | None = None) -> _Flattened:
     """Return the text of shader `path` with its includes, each file once, and `defines` on top.
 
     path: relative to shaders/, or absolute for a shader of another package. `#include NAME`
     includes the file that the define NAME holds; such a define does not appear in the text.
     Errors: ShaderError for a missing file or include, naming the including line.
     """
-    defines = dict(defines or {})
-    root = root or folder("shaders")
-    out, seen = _Flattened(), set()
-
-    def add(line: str, origin: tuple[str, int]) -> None:
-        out.lines.append(line)
-        out.origins.append(origin)
-
-    def named(define: str, wanted_by: str) -> str:
-        if define not in defines:
-            raise ShaderError(f"{wanted_by} includes {define}, which no define gives a file")
-        return str(defines[define])
+    known = {key: str(value) for key, value in (defines or {}).items()}
+    told = [f"#define {key} {value}" for key, value in known.items() if not value.endswith(".glsl")]
+    out, seen, root = _Flattened([VERSION, *told], [("(defines)", 1)] * (1 + len(told))), set[str](), folder("shaders")
 
     def visit(name: str, wanted_by: str) -> None:
         if name in seen:
@@ -86,24 +74,24 @@ def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path |
         except OSError as error:
             raise ShaderError(f"shader file '{name}' included by {wanted_by}: {error.strerror}") from error
         for number, line in enumerate(text.splitlines(), start=1):
-            include = _INCLUDE.match(line)
-            if include:
-                visit(include.group(1) or named(include.group(2), f"{name}:{number}"), f"{name}:{number}")
+            if include := _INCLUDE.match(line):
+                file, define = include.groups()
+                if define and define not in known:
+                    raise ShaderError(f"{name}:{number} includes {define}, which no define gives a file")
+                visit(file or known[define], f"{name}:{number}")
             elif not line.startswith("#version"):
-                add(line, (name, number))
+                out.lines.append(line)
+                out.origins.append((name, number))
 
-    add(VERSION, ("(version)", 1))
-    for key, value in defines.items():
-        if not str(value).endswith(".glsl"):
-            add(f"#define {key} {value}", ("(defines)", 1))
     visit(path, "the program")
     return out
 
 
-_GUARD = re.compile(r"\s*#\s*(?:if|endif)")
 _UNIFORM = re.compile(r"\s*uniform\s+(float|u?int|bool|[iu]?vec[234]|mat[234](?:x[234])?)\s+([^=;]+);\s*")
 _NAME = re.compile(r"\s*(\w+)\s*(?:\[\s*(\w+)\s*\])?\s*")
 _NUMBER = re.compile(r"\s*#\s*define\s+(\w+)\s+(\d+)\s*")
+Defines = Mapping[str, object]
+Flats = Sequence[_Flattened]
 _MOST_BYTES = 16384  # of a block, for every driver
 _BLOCK = "Uniforms_"
 
@@ -115,32 +103,23 @@ class Block:
     a declaration stay outside; all do where one name has two types.
     """
 
-    def __init__(self, flats: Sequence[_Flattened]) -> None:
+    def __init__(self, flats: Flats) -> None:
         self.views: dict[str, NDArray[Any]] = {}  # where each is written, as NumPy has it
         self.packs: dict[str, Callable[..., None]] = {}  # of numbers and vectors: a third of NumPy's time
         self.data, self.texts = bytearray(_MOST_BYTES), list[str]()
         self._declared, self._numbers, self._end = dict[str, str](), dict[str, str](), 0
-        # Of each stage the lines left, and which the block precedes: that of a uniform, or its #if.
-        found: list[tuple[list[str], int | None]] = []
+        stages: list[list[str]] = []
         for flat in flats:
-            lines: list[str] = []
-            depth, outermost, place = 0, 0, None
-            for number, text in enumerate(flat.lines):
-                line, code = text, text.partition("//")[0]
-                if guard := _GUARD.match(code):
-                    outermost = outermost if depth else number
-                    depth += -1 if "endif" in guard.group() else 1
-                if (uniform := _UNIFORM.fullmatch(code)) and self._takes(*uniform.groups()):
-                    place = place if place is not None else outermost if depth else number
-                    line = ""
-                elif constant := _NUMBER.fullmatch(code):
+            stages.append([])
+            for line in flat.lines:
+                code = line.partition("//")[0]
+                if constant := _NUMBER.fullmatch(code):
                     self._numbers[constant.group(1)] = constant.group(2)
-                lines.append(line)
-            found.append((lines, place))
-        members = "; ".join(self._declared.values())
-        for lines, place in found:
-            if place is not None:
-                lines.insert(place, f"layout(std140) uniform {_BLOCK} {{ {members}; }};")
+                uniform = _UNIFORM.fullmatch(code)
+                stages[-1].append("" if uniform and self._takes(*uniform.groups()) else line)
+        for lines in stages:
+            last = max(number for number, line in enumerate(lines) if line.startswith(("#version", "#extension")))
+            lines.insert(last + 1, f"layout(std140) uniform {_BLOCK} {{ {'; '.join(self._declared.values())}; }};")
             self.texts.append("\n".join(lines) + "\n")
         self.size = self._end + -self._end % 16
 
@@ -182,9 +161,7 @@ class Room:
     end: int = 0
 
 
-def built(
-    gl: moderngl.Context, flats: Sequence[_Flattened], build: Callable[..., Program], name: str
-) -> tuple[Program, Uniforms]:
+def built(gl: moderngl.Context, flats: Flats, build: Callable[..., Program], name: str) -> tuple[Program, Uniforms]:
     """Return the program that `build` makes of the stages' texts, and its uniforms.
 
     They are in a block, unless the context has no room left, or the text does not compile with it:
@@ -205,9 +182,7 @@ class Uniforms:
     A name that the shader text lacks is an error; a uniform that the compiler removed is fine.
     """
 
-    def __init__(
-        self, program: Any, flats: Sequence[_Flattened], name: str, block: Block | None = None, *place: Any
-    ) -> None:
+    def __init__(self, program: Any, flats: Flats, name: str, block: Block | None = None, *place: Any) -> None:
         self._name = name
         declared = " ".join(line.partition("//")[0] for flat in flats for line in flat.lines)
         names = {
@@ -227,15 +202,13 @@ class Uniforms:
         # Values that cannot have changed, compared by identity, which costs nothing.
         self._written: dict[str, object] = {}
         self._settled: dict[str, object] | None = None
-        # Called with a name, says whether the shader's text declares a uniform of that name.
-        self.declares = self._members.__contains__
+        self.declares = self._members.__contains__  # of a name: whether the text declares a uniform of it
 
     def set(self, **values: Any) -> None:
-        """Set numbers, vectors and matrices; float64 is rounded here, once.
+        """Set numbers, vectors and matrices, those as written in the formulas, rounded once.
 
-        Matrices are row-major NumPy, as written in the formulas. The same number, tuple or
-        read-only array as the last time is not taken again; a tuple holds numbers. What is in the
-        block goes to the GPU in one write, if it has changed.
+        The same number, tuple (of numbers) or read-only array as the last time is not taken again.
+        What is in the block goes to the GPU in one write, if it has changed.
         Errors: ShaderError for a name the shader's text lacks, and for a value that does not fit.
         """
         # One function, as a refresh sets 130 uniforms: calls within it took longer than the writes.
@@ -292,18 +265,10 @@ class Uniforms:
 
 
 class Compute:
-    """A compute shader with strict uniforms, for a grid of pixels.
-
-    Made with HIDES, for a view's grid and its strips, it leaves out what the lens hides of it.
-    """
+    """A compute shader over a grid of pixels; with HIDES it leaves out what the lens hides."""
 
     def __init__(
-        self,
-        gl: moderngl.Context,
-        path: str,
-        defines: Mapping[str, object],
-        grid: Grid | None = None,
-        hidden: HiddenAreas | None = None,
+        self, gl: moderngl.Context, path: str, defines: Defines, over: tuple[Grid, HiddenAreas] | None = None
     ) -> None:
         flat = flatten(path, defines)
         self.path = path
@@ -312,20 +277,17 @@ class Compute:
         except moderngl.Error as error:
             raise ShaderError(f"{path}: {flat.translate(str(error))}") from error
         sizes = dict(re.findall(r"local_size_([xyz])\s*=\s*(\w+)", flat.text))
-        numbers = dict(re.findall(r"#define\s+(\w+)\s+(\d+)", flat.text))
-        across, down = (str(sizes.get(axis, "1")) for axis in "xy")
+        numbers = dict(reversed(re.findall(r"#define\s+(\w+)\s+(\d+)", flat.text)))  # the first of each
+        across, down = (sizes.get(axis, "1") for axis in "xy")
         self.group = int(numbers.get(across, across)), int(numbers.get(down, down))
         self._most_groups = tuple(gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][:2])
-        self.rows = int((re.findall(r"#define\s+ROWS\s+(\d+)", flat.text) or [1])[0])
-        self._grid, self._hidden, self.skips = grid, hidden, hidden is not None
+        self.rows = int(numbers.get("ROWS", 1))
+        self._over, self.skips = over, over is not None
         self._last: tuple[int, int, int] | None = None
         self._groups = 0, 0
 
     def run(self, width: int, height: int = 1, cell: int = 1) -> None:
-        """Dispatch enough work groups for width x height pixels.
-
-        cell: pixels on each axis for which it has one invocation, or row of one.
-        """
+        """Run over width x height pixels. cell: pixels a side for one invocation, or row of one."""
         if self._last != (width, height, cell):
             self._groups = self.groups(width, height, cell)
             self._last = None if self.skips else (width, height, cell)  # a list is bound each time
@@ -338,27 +300,26 @@ class Compute:
         return partial(self.program.run, *self.groups(width, height, cell))
 
     def groups(self, width: int, height: int = 1, cell: int = 1) -> tuple[int, int]:
-        """Return the work groups of such a run; fewer for a shader with ROWS. Binds a list of them.
+        """Return the work groups of such a run; bind a list of them where it leaves out some.
 
-        Errors: InputError beyond the GL limit, where a dispatch would be dropped silently.
+        Errors: InputError beyond the GL limit, where GL would drop a dispatch silently.
         """
-        if self._hidden is not None and self._grid is not None:
-            view = self._hidden.views.get(self._grid, WHOLE)
-            return self._hidden.bind(view, (width, height), self.group[0], self.rows, cell), 1
+        if self._over is not None:
+            grid, areas = self._over
+            return areas.bind(areas.views.get(grid, WHOLE), (width, height), self.group[0], self.rows, cell), 1
         across, down = self.group[0] * cell, self.group[1] * self.rows * cell
         groups = -(-width // across), -(-height // down)
         if groups[0] > self._most_groups[0] or groups[1] > self._most_groups[1]:
             most = " x ".join(map(str, self._most_groups))
-            raise InputError(
-                f"{self.path} needs {groups[0]} x {groups[1]} work groups, this GPU takes {most}: use smaller pictures"
-            )
+            found = f"{self.path} needs {groups[0]} x {groups[1]} work groups"
+            raise InputError(f"{found}, this GPU takes {most}: use smaller pictures")
         return groups
 
 
 class Draw:
     """A vertex and fragment shader pair with strict uniforms."""
 
-    def __init__(self, gl: moderngl.Context, vertex: str, fragment: str, defines: Mapping[str, object]) -> None:
+    def __init__(self, gl: moderngl.Context, vertex: str, fragment: str, defines: Defines) -> None:
         flats = {"vertex": flatten(vertex, defines), "fragment": flatten(fragment, defines)}
         both = list(flats.values())
         try:
@@ -366,13 +327,12 @@ class Draw:
                 gl, both, lambda vert, frag: gl.program(vertex_shader=vert, fragment_shader=frag), fragment
             )
         except moderngl.Error as error:
-            # What comes before any stage, then a stage and its part by turns: each line is of the
-            # stage that it stands under. The linker may name none.
-            before, *parts = _STAGE.split(str(error))
+            # What comes before any stage, of which a linker may name none; then each and its part.
+            told, *parts = _STAGE.split(str(error))
             stages = [stage.lower() for stage in parts[::2]]
-            told = [flats[stage].translate(part) for stage, part in zip(stages, parts[1::2], strict=True)]
-            path = vertex if stages[:1] == ["vertex"] else fragment
-            raise ShaderError(f"{path}: {before}{''.join(told)}") from error
+            for stage, part in zip(stages, parts[1::2], strict=True):
+                told += flats[stage].translate(part)
+            raise ShaderError(f"{vertex if stages[:1] == ['vertex'] else fragment}: {told}") from error
 
 
 Made = TypeVar("Made", Compute, Draw)
@@ -394,20 +354,18 @@ class ShaderLibrary:
     def compute(self, path: str, *, grid: Any = None, **defines: object) -> Compute:
         """Return the compute shader `path`: relative to shaders/, or absolute.
 
-        grid: the view (Grid) whose pixels it runs over, if it may leave out those that are hidden;
-        inside hidden.skipping(True) it does. Any type, as callers hand on dicts of defines.
+        grid: the view (Grid) over whose pixels it runs, if inside hidden.skipping(True) it may
+        leave out those that are hidden. Any type, as callers hand on dicts of defines.
         """
-        hidden = self.hidden if grid is not None and self.hidden.skips else None
-        defines |= {} if hidden is None else {"HIDES": 1}
-        return self._get((path,), defines, lambda: Compute(self._gl, path, defines, grid, hidden), hidden and grid)
+        over = (grid, self.hidden) if grid is not None and self.hidden.skips else None
+        defines |= {} if over is None else {"HIDES": 1}
+        return self._get((path,), defines, lambda: Compute(self._gl, path, defines, over), over and grid)
 
     def draw(self, vertex: str, fragment: str, **defines: object) -> Draw:
         """Return the vertex and fragment program of the two paths."""
         return self._get((vertex, fragment), defines, lambda: Draw(self._gl, vertex, fragment, defines))
 
-    def _get(
-        self, paths: tuple[str, ...], defines: Mapping[str, object], make: Callable[[], Made], *over: object
-    ) -> Made:
+    def _get(self, paths: tuple[str, ...], defines: Defines, make: Callable[[], Made], *over: object) -> Made:
         key = (*paths, *sorted(defines.items()), *over)
         program: Made = self._cache.get(key) or self._cache.setdefault(key, make())
         return program

@@ -1,7 +1,6 @@
 """The few kinds of textures in use, and the one place where picture rows flip.
 
-Inside, row 0 is the bottom row, as GL has it; in files and in the Python interface row 0 is the top
-row.
+Inside, row 0 is the bottom row, as GL has it; in files and in Python row 0 is the top row.
 """
 
 from __future__ import annotations
@@ -27,16 +26,11 @@ _NUMPY = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u2": np.uint16, "
 def allocate(
     gl: moderngl.Context, size: tuple[int, int], kind: tuple[int, str], *, linear: bool = False
 ) -> moderngl.Texture:
-    """Return an empty (w, h) texture, clamped at its edges.
-
-    Errors: InputError for a size of 0 or beyond the GL limit.
-    """
+    """Return an empty (w, h) texture, clamped at its edges. Errors: as check_size."""
     check_size(gl, size)
-    components, dtype = kind
-    texture = gl.texture(size, components, dtype=dtype)
+    texture = gl.texture(size, kind[0], dtype=kind[1])
     texture.repeat_x = texture.repeat_y = False
-    chosen = moderngl.LINEAR if linear else moderngl.NEAREST
-    texture.filter = (chosen, chosen)
+    texture.filter = (moderngl.LINEAR if linear else moderngl.NEAREST,) * 2
     return texture
 
 
@@ -73,11 +67,9 @@ class Canvas:
 
 
 def drawing_into(framebuffer: moderngl.Framebuffer, flags: int | None = None) -> moderngl.Scope:
-    """Return a scope that draws into `framebuffer` with only these flags on.
+    """Return a scope that draws into `framebuffer` with only these flags on; None: as they are.
 
-    flags: moderngl's; None leaves them unchanged. The same framebuffer and flags give the same
-    scope: a context with gc_mode "context_gc" keeps a part of each scope ever made, which in a loop
-    is a leak.
+    The same ones give the same scope, as a context keeps a part of each scope ever made.
     """
     if framebuffer.extra is None:
         framebuffer.extra = {}
@@ -90,10 +82,7 @@ def drawing_into(framebuffer: moderngl.Framebuffer, flags: int | None = None) ->
 def bind_images(
     read: Images = None, write: Images = None, change: Images = None, *, first: int = 0
 ) -> dict[str, object]:
-    """Bind textures to image units from `first` on; return the uniforms that name the units.
-
-    By the names of these uniforms: what a shader loads from, what it stores into, and both.
-    """
+    """Bind what a shader loads, stores, and both to image units; return the units by uniform."""
     units: dict[str, object] = {}
     for textures, loads, stores in ((read, True, False), (write, False, True), (change, True, True)):
         for name, texture in (textures or {}).items():
@@ -139,9 +128,8 @@ def check_size(gl: moderngl.Context, size: tuple[int, int]) -> None:
 
 
 def upload(texture: moderngl.Texture, image: NDArray[Any]) -> None:
-    """Write a top-row-first (h, w[, c]) array into a texture of the same size.
+    """Write a top-row-first (h, w[, c]) array into a texture; c = 3 gets alpha 1 (255 in bytes).
 
-    c = 3 gets alpha 1 (255 in bytes).
     Errors: InputError for another size or number of components.
     """
     height, width = image.shape[:2]

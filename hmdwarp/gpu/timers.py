@@ -37,8 +37,7 @@ class ClockCheck:
 def check_clocks(gl: moderngl.Context) -> ClockCheck:
     """Time a copy by a compute shader by GPU query and by wall clock after finish, in the same run.
 
-    Probed, not known by name: llvmpipe answers about 1 ns for any work, or leaves out compute
-    shaders, and Zink, which runs on the same llvmpipe, measures them.
+    llvmpipe answers about 1 ns for any work; Zink, which runs on the same llvmpipe, measures it.
     """
     copy, blocks, query = Compute(gl, "gpu/copy.comp", {}), _BYTES // 16, gl.query(time=True)
     buffers = [gl.buffer(reserve=_BYTES) for _ in range(2)]
@@ -68,9 +67,9 @@ Stages = tuple[tuple[str, float], ...]  # (name, milliseconds) of each stage, in
 class Lap:
     """Some stages of a frame. Read their times later, when the GPU has long finished them."""
 
-    _pending: list[tuple[str, moderngl.Query]]
-    _done: list[tuple[str, float]]
-    _free: list[moderngl.Query]
+    _free: list[moderngl.Query]  # to be used again
+    _pending: list[tuple[str, moderngl.Query]] = attrs.field(factory=list)
+    _done: list[tuple[str, float]] = attrs.field(factory=list)
 
     def read(self) -> Stages:
         """Return the times of all stages; waits for the GPU. May be called again."""
@@ -85,7 +84,7 @@ class Laps(Lap):
     """Several laps, read as one."""
 
     def __init__(self, *laps: Lap) -> None:
-        super().__init__([], [], [])
+        super().__init__([])
         self._laps = laps
 
     def read(self) -> Stages:
@@ -93,19 +92,13 @@ class Laps(Lap):
 
 
 class StageTimer:
-    """Time the stages of one frame.
-
-    Only Lap.read() reads GPU queries, so a stage never waits for the one before it.
-    """
+    """Times of the stages of one frame: only Lap.read() reads queries, so no stage waits."""
 
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl
         self.check = check_clocks(gl)
         self.clock = self.check.clock
-        self._free: list[moderngl.Query] = []
-        self._pending: list[tuple[str, moderngl.Query]] = []
-        self._done: list[tuple[str, float]] = []
-        self._lap_started_ns = time.perf_counter_ns()
+        self._now, self._lap_started_ns = Lap([]), time.perf_counter_ns()
 
     @property
     def lap_ms(self) -> float:
@@ -115,20 +108,17 @@ class StageTimer:
     @contextmanager
     def aside(self, name: str) -> Iterator[None]:
         """Time all that runs inside as one stage of this lap, whatever laps it makes of its own."""
-        around = self._pending, self._done, self._lap_started_ns
-        self._pending, self._done = [], []
-        started_ns = time.perf_counter_ns()
+        lap_started_ns, lap, started_ns = self._lap_started_ns, self.lap(), time.perf_counter_ns()
         try:
             yield
         finally:
-            self._pending, self._done, self._lap_started_ns = around
-            self.add(name, (time.perf_counter_ns() - started_ns) * 1e-6)
+            self._now, self._lap_started_ns = lap, lap_started_ns
+            lap._done.append((name, (time.perf_counter_ns() - started_ns) * 1e-6))
 
     def stage(self, name: str, *, barrier: bool = False) -> Stage:
-        """Time the GL calls issued inside `with timer.stage(name):`, in milliseconds.
+        """Time the GL calls inside `with timer.stage(name):`; blocks that raise do not count.
 
-        Blocks that raise do not count. What it returns can be entered any number of times, one
-        after the other. barrier: make what is stored inside visible to all that follows.
+        It can be entered again. barrier: make what is stored inside visible to all that follows.
         """
         return Stage(self, name, barrier, by_query=self.clock == "gpu")
 
@@ -136,15 +126,9 @@ class StageTimer:
         """Time work of the CPU inside `with timer.cpu_stage(name):`, in milliseconds."""
         return Stage(self, name, barrier=False, by_query=False)
 
-    def add(self, name: str, milliseconds: float) -> None:
-        """Count work done elsewhere than in GL, timed by the caller, as a stage of this lap."""
-        self._done.append((name, milliseconds))
-
     def lap(self) -> Lap:
         """Return every stage since the last lap; one that is never read costs its queries."""
-        lap = Lap(self._pending, self._done, self._free)
-        self._pending, self._done = [], []
-        self._lap_started_ns = time.perf_counter_ns()
+        lap, self._now, self._lap_started_ns = self._now, Lap(self._now._free), time.perf_counter_ns()
         return lap
 
     def collect(self) -> list[tuple[str, float]]:
@@ -153,10 +137,9 @@ class StageTimer:
 
 
 class Stage:
-    """A stage timed by a query, or by the wall clock between two instants at which the GPU is idle.
+    """A stage timed by a query, or by the wall clock between two instants of an idle GPU."""
 
-    A class, because contextlib's generators cost 3 us each and a refresh has ten.
-    """
+    # A class, because contextlib's generators cost 3 us each and a refresh has ten.
 
     __slots__ = ("_barrier", "_by_query", "_name", "_query", "_started_ns", "_timer")
 
@@ -164,24 +147,24 @@ class Stage:
         self._timer, self._name, self._barrier, self._by_query = timer, name, barrier, by_query
 
     def __enter__(self) -> None:
-        timer = self._timer
+        gl, free = self._timer._gl, self._timer._now._free
         if self._by_query:
-            self._query = timer._free.pop() if timer._free else timer._gl.query(time=True)
+            self._query = free.pop() if free else gl.query(time=True)
             self._query.__enter__()
-            return
-        timer._gl.finish()
-        self._started_ns = time.perf_counter_ns()
+        else:
+            gl.finish()
+            self._started_ns = time.perf_counter_ns()
 
     def __exit__(self, error: type[BaseException] | None, *rest: object) -> None:
-        timer = self._timer
+        gl, lap = self._timer._gl, self._timer._now
         if self._barrier and error is None:
-            timer._gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
         if self._by_query:
             self._query.__exit__(error, *rest)  # type: ignore[arg-type]  # moderngl types each argument as a tuple
             if error is None:
-                timer._pending.append((self._name, self._query))
+                lap._pending.append((self._name, self._query))
             else:
-                timer._free.append(self._query)
+                lap._free.append(self._query)
         elif error is None:
-            timer._gl.finish()
-            timer._done.append((self._name, (time.perf_counter_ns() - self._started_ns) * 1e-6))
+            gl.finish()
+            lap._done.append((self._name, (time.perf_counter_ns() - self._started_ns) * 1e-6))

@@ -1,7 +1,4 @@
-"""Headsets: one .toml file each, with the source of its numbers.
-
-Names are in __init__.pyi; each loads its module at first use.
-"""
+"""Headsets: one .toml file each, with the source of its numbers."""
 
 import lazy_loader
 

@@ -5,7 +5,6 @@ from ._files import load_headset as load_headset
 from ._files import reported_headset as reported_headset
 from ._model import COLOURS as COLOURS
 from ._model import MAX_COEFFICIENTS as MAX_COEFFICIENTS
-from ._model import CameraDisplay as CameraDisplay
 from ._model import Headset as Headset
 from ._model import HeadsetEye as HeadsetEye
 from ._model import Lens as Lens

@@ -1,23 +1,18 @@
-"""Headset files: those of the package, the user's own, and other programs' JSON.
-
-That is what SteamVR keeps, and what hmdq exports.
-"""
+"""Headset files: the package's, the user's, and what SteamVR keeps and hmdq exports."""
 
 from __future__ import annotations
 
 import json
 import math
 import re
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, in_brief, unknown_name
-from ..geometry import Eyes, Fov, Polygon, Pose
+from ..geometry import Eyes, Fov, Hidden, Polygon, Pose
 from ..options import Table, parsed, text_of
 from ..options.documents import DocumentError, parse_json
 from ..options.named_files import FACTS, text_in
@@ -26,15 +21,11 @@ from ._model import COLOURS, IPD_RANGE_M, MODELS, Array, Headset, HeadsetEye, Le
 REPORTED = "the views as the runtime reported them; no lens, because the runtime corrects it"
 _REFRESH_HZ = 90.0  # of a Vive; a file does not tell, --rate takes another
 _NAMES = {"red": "distortion_red", "green": "distortion", "blue": "distortion_blue"}
-_KINDS = ("DISTORT_DPOLY3",)
 
 
 def reported_headset(name: str, about: str, size: tuple[int, int], rate_hz: float, eyes: Eyes) -> Headset:
     """Return a headset as a connected runtime reports it. about: what runtime and headset it is."""
-    seen = tuple(
-        HeadsetEye(view.pose, view.fov, hidden=view.hidden.polygons if view.hidden is not None else ())
-        for view in eyes.views(Pose())
-    )
+    seen = tuple(HeadsetEye(view.pose, view.fov, hidden=view.hidden) for view in eyes.views(Pose()))
     summary = f"{about}, {size[0]}x{size[1]} per eye"
     return Headset(name, summary, f"reported by {about}", size, rate_hz, seen, emulated=REPORTED)
 
@@ -66,10 +57,11 @@ def _matrix(data: Table, key: str, shape: tuple[int, int]) -> Array:
 
 def _vive_eye(data: Table, x: float, panel: tuple[float, float]) -> HeadsetEye:
     turn = _matrix(data, "eye_to_head", (3, 3)) if "eye_to_head" in data else np.eye(3)
+    pose = Pose.from_matrix(np.column_stack([turn, (x, 0, 0)]))
     centres, coefficients = {}, {}
     for colour, name in _NAMES.items():
         told = data.table(name)
-        told.word("type", _KINDS, _KINDS[0])
+        told.word("type", ("DISTORT_DPOLY3",), "DISTORT_DPOLY3")
         numbers = told.numbers("coeffs")
         if not 3 <= len(numbers) <= 8 or any(numbers[4:]):
             raise told.fault("coeffs", f"has {len(numbers)} numbers: expected 3 to 8, those after the fourth 0")
@@ -77,46 +69,37 @@ def _vive_eye(data: Table, x: float, panel: tuple[float, float]) -> HeadsetEye:
         coefficients[colour] = (k1, k2, k3, k4)
         centres[colour] = (told.number("center_x"), -told.number("center_y"))  # there +y is down
     focal = _matrix(data, "intrinsics", (3, 3))[0, 0]
-    lens = ViveLens(float(focal), centres, coefficients, data.within("undistort_r2_cutoff", 0, 100, above=True))
+    cutoff = data.within("undistort_r2_cutoff", 0, 100, above=True)
+    lens = ViveLens((0.0, 0.0), 1.0, float(focal), coefficients, cutoff, centres=centres)
     # The least field of view that holds what the panel shows of any colour.
     places = np.stack(np.meshgrid(*(np.linspace(-side / 2, side / 2, 129) for side in panel)), axis=-1)
     shown = []
     for colour in COLOURS:
-        from_centre = places - lens.centres[colour]
-        r = np.hypot(*np.moveaxis(from_centre, -1, 0))
-        shown.append((from_centre * lens.scales(colour, r)[..., None])[r * r <= lens.cutoff_r2])
+        r = np.hypot(*np.moveaxis(places - centres[colour], -1, 0))
+        shown.append(lens.tangents(colour, places)[r * r <= cutoff])
     (left, down), (right, up) = (ends(np.concatenate(shown), axis=0) for ends in (np.min, np.max))
-    fov = Fov.from_tangents((left, right, down, up))
-    return HeadsetEye(Pose((x, 0, 0), _quaternion(turn)), fov, panel, lens)
-
-
-def _quaternion(turn: Array) -> Any:
-    from scipy.spatial.transform import Rotation
-
-    return Rotation.from_matrix(turn).as_quat()
+    return HeadsetEye(pose, Fov.from_tangents((left, right, down, up)), panel, lens)
 
 
 def _hmdq(data: Table, path: Path) -> Headset:
     found = _geometry(data)
     if found is None:
-        raise InputError(
-            "neither SteamVR's configuration (tracking_to_eye_transform) nor an export of hmdq (rec_rts and raw_eye)"
-        )
+        raise InputError("neither SteamVR's configuration (tracking_to_eye_transform) nor hmdq's (rec_rts and raw_eye)")
     size = found.numbers("rec_rts", 2)
     eyes = []
     for side in ("Left", "Right"):
         raw = found.table("raw_eye").table(side)
         fov = Fov.from_tangents([raw.number(f"tan_{end}") for end in ("left", "right", "bottom", "top")])
-        pose = _matrix(found.table("eye2head"), side, (3, 4))
+        pose = Pose.from_matrix(_matrix(found.table("eye2head"), side, (3, 4)))
         meshes = found.table("ham_mesh") if "ham_mesh" in found and found.raw("ham_mesh") else Table({})
-        hidden: tuple[Polygon, ...] = ()
+        hidden = None
         if side in meshes and meshes.raw(side):  # triangles, which lie in 0..1 of the view
             left, right, down, up = fov.tangents
             count = len(meshes.table(side).raw("verts_raw"))
             matrix = _matrix(meshes.table(side), "verts_raw", (count - count % 3, 2))
             places = matrix * (right - left, up - down) + (left, down)
-            hidden = tuple(tuple((float(x), float(y)) for x, y in corners) for corners in places.reshape(-1, 3, 2))
-        eyes.append(HeadsetEye(Pose(pose[:, 3], _quaternion(pose[:, :3])), fov, hidden=hidden))
+            hidden = Hidden(tuple(tuple(map(tuple, each)) for each in places.reshape(-1, 3, 2).tolist()), fov)
+        eyes.append(HeadsetEye(pose, fov, hidden=hidden))
     summary = f"exported by hmdq, {size[0]:g}x{size[1]:g} per eye"
     return Headset(path.stem, summary, f"hmdq, {path.name}", size, _REFRESH_HZ, tuple(eyes), emulated=REPORTED)
 
@@ -147,10 +130,9 @@ def load_headset(spec: str) -> Headset:
     """Load a shipped headset by name, or the user's own .toml or .json file by path.
 
     `NAME:ipd=62` sets the distance of its pupils, in millimetres; `NAME:hidden=drawn`, before that,
-    draws and counts what its lenses hide. Of a .json file serial numbers are not read; of hmdq's
-    the views, the size and the hidden area are.
+    draws and counts what its lenses hide.
     Source: Valve's description of the HMD's JSON file; hmdq (R. Musil), as it reads OpenVR.
-    Errors: InputError naming the file and its fault, and for a distance outside its range.
+    Errors: InputError naming the file and its fault.
     """
     if not isinstance(spec, str):
         raise InputError(f"headset is {in_brief(spec)}: expected a name, or a file")
@@ -161,7 +143,7 @@ def load_headset(spec: str) -> Headset:
         return load_headset(name).with_ipd(float(ipd) * 1e-3)
     if name.endswith(DRAWN):
         drawn = load_headset(name.removesuffix(DRAWN))
-        return attrs.evolve(drawn, name=name, eyes=tuple(attrs.evolve(eye, hidden=()) for eye in drawn.eyes))
+        return attrs.evolve(drawn, name=name, eyes=tuple(attrs.evolve(eye, hidden=None) for eye in drawn.eyes))
     path = Path(name) if name.endswith(FILE_ENDINGS) else _FOLDER / f"{name}.toml"
     if not name.endswith(FILE_ENDINGS) and name not in headset_names():
         raise unknown_name("headset", name, [*headset_names(), *(f"FILE{ending}" for ending in FILE_ENDINGS)])
@@ -177,11 +159,32 @@ def load_headset(spec: str) -> Headset:
 
 
 def _headset(data: Table) -> Headset:
-    panel, eyes = data.table("panel"), data.table("eyes")
+    panel, eyes, lens = data.table("panel"), data.table("eyes"), data.table("lens") if "lens" in data else None
     size_m = _pair(panel, "eye_size_m") if "eye_size_m" in panel else None
-    if "lens" in data and size_m is None:
+    if lens is not None and size_m is None:
         raise panel.missing("eye_size_m")
-    eye = partial(_eye, eyes.within("ipd_m", 0, 1), size_m, data.table("lens") if "lens" in data else None)
+    ipd_m = eyes.within("ipd_m", 0, 1)
+
+    def eye(data: Table, side: int, fov: Fov | None = None) -> HeadsetEye:
+        """Return the left (side -1) or right eye (1). fov: in place of its table's tangents."""
+        offset_m = data.numbers("offset_m", 3) if "offset_m" in data else (0, 0, 0)
+        half = -side * math.radians(data.number("cant_deg", 0.0)) / 2
+        turn: tuple[float, ...] = (0.0, math.sin(half), 0.0, math.cos(half))
+        if "orientation_xyzw" in data:
+            turn = data.numbers("orientation_xyzw", 4)
+        fov = Fov.from_tangents(data.numbers("tangents", 4)) if fov is None else fov
+        made: Lens | None = None
+        if lens is not None and size_m is not None:
+            model = lens.text("model")
+            if model not in MODELS:
+                raise InputError(f"unknown lens model '{model}': known is {', '.join(MODELS)}")
+            x, y = _pair(lens, "axis_from_centre_m")
+            axis = _pair(data, "lens_axis_m") if "lens_axis_m" in data else (-side * x, y)
+            made = MODELS[model].of(lens, axis, float(np.hypot(*(np.array(size_m) / 2 + np.abs(axis)))))
+        pose = Pose(np.add(offset_m, (side * ipd_m / 2, 0, 0)), turn)
+        hidden = _rounded_corners(data, fov) if "hidden_share" in data else _polygons(data)
+        return HeadsetEye(pose, fov, size_m, made, Hidden(hidden, fov) if hidden else None)
+
     if "left" in eyes:
         left = eye(eyes.table("left"), -1)
     else:  # one that looks straight ahead, by four angles
@@ -211,39 +214,9 @@ def _pair(data: Table, key: str) -> tuple[float, float]:
     return first, second
 
 
-def _eye(
-    ipd_m: float, size_m: tuple[float, float] | None, lens: Table | None, data: Table, side: int, fov: Fov | None = None
-) -> HeadsetEye:
-    """Return the left (side -1) or right eye (1) by its table; fov: in place of its tangents."""
-    offset_m = data.numbers("offset_m", 3) if "offset_m" in data else (0, 0, 0)
-    place = np.add(offset_m, (side * ipd_m / 2, 0, 0))
-    half = -side * math.radians(data.number("cant_deg", 0.0)) / 2
-    turn: tuple[float, ...] = (0.0, math.sin(half), 0.0, math.cos(half))
-    if "orientation_xyzw" in data:
-        turn = data.numbers("orientation_xyzw", 4)
-    fov = Fov.from_tangents(data.numbers("tangents", 4)) if fov is None else fov
-    made: Lens | None = None
-    if lens is not None and size_m is not None:
-        model = lens.text("model")
-        if model not in MODELS:
-            raise InputError(f"unknown lens model '{model}': known is {', '.join(MODELS)}")
-        x, y = _pair(lens, "axis_from_centre_m")
-        axis = _pair(data, "lens_axis_m") if "lens_axis_m" in data else (-side * x, y)
-        corner = np.array(size_m) / 2 + np.abs(axis)
-        made = MODELS[model].of(lens, axis, float(np.hypot(*corner)))
-    return HeadsetEye(Pose(place, turn), fov, size_m, made, _hidden(data, fov))
-
-
-def _hidden(data: Table, fov: Fov) -> tuple[Polygon, ...]:
-    if "hidden_share" in data:
-        seen = np.tan(np.radians(data.numbers("seen_deg", 4))) if "seen_deg" in data else fov.tangents
-        try:
-            return rounded_corners(fov, seen, data.within("hidden_share", 0, 0.5))
-        except ValueError as error:
-            raise data.fault("seen_deg", str(error)) from error
-    polygons = data.raw("hidden") if "hidden" in data else []
+def _polygons(data: Table) -> tuple[Polygon, ...]:
     try:
-        found = [np.array(polygon, np.float64) for polygon in polygons]
+        found = [np.array(polygon, np.float64) for polygon in (data.raw("hidden") if "hidden" in data else [])]
         if all(one.ndim == 2 and one.shape[1] == 2 and len(one) > 2 and np.isfinite(one).all() for one in found):
             return tuple(tuple(map(tuple, one.tolist())) for one in found)
     except (TypeError, ValueError):
@@ -251,21 +224,22 @@ def _hidden(data: Table, fov: Fov) -> tuple[Polygon, ...]:
     raise data.fault("hidden", "is no list of polygons: expected each as three or more [x, y] in tangents")
 
 
-def rounded_corners(fov: Fov, seen: NDArray[np.float64], share: float) -> tuple[Polygon, ...]:
-    """Return four corners that hide a share (0..0.5) of the view, outside of a superellipse.
+def _rounded_corners(data: Table, fov: Fov) -> tuple[Polygon, ...]:
+    """Return four corners that hide a share of the view, outside of a superellipse.
 
-    It stands for a hidden area of which the share alone is known, and how far one sees to each
-    side: seen, the four tangents of that.
-    Errors: ValueError where no superellipse has both.
+    It stands for an area of which the share is known, and how far one sees to each side.
     Source: area of Lame's curve |x|^n + |y|^n = 1: 4 Gamma(1 + 1/n)^2 / Gamma(1 + 2/n).
     """
+    edge = fov.tangents
+    (left, right, down, up) = np.tan(np.radians(data.numbers("seen_deg", 4))) if "seen_deg" in data else edge
+    share = data.within("hidden_share", 0, 0.5)
     if share == 0:
         return ()
-    (left, right, down, up), edge = seen, fov.tangents
     of_box = (1 - share) * (edge[1] - edge[0]) * (edge[3] - edge[2]) / ((right - left) * (up - down))
     low, high = 0.9, 200.0
     if not (_area(low) < of_box < _area(high)):
-        raise ValueError(f"and hidden_share {share:g} do not fit each other: the share is that of the whole view")
+        says = f"and hidden_share {share:g} do not fit each other: the share is that of the whole view"
+        raise data.fault("seen_deg", says)
     for _ in range(60):
         middle = (low + high) / 2
         low, high = (middle, high) if _area(middle) < of_box else (low, middle)
@@ -286,10 +260,7 @@ def _area(power: float) -> float:
 
 
 def headset_toml(headset: Headset) -> str:
-    """Return the file of a headset without a lens: what a runtime reports.
-
-    Errors: InputError for a headset with a lens.
-    """
+    """Return the file of a headset as runtimes report it. Errors: InputError for a lens."""
     if headset.lens is not None:
         raise InputError(f"headset '{headset.name}' has a lens, which a file of views cannot hold")
     texts = {key: getattr(headset, key) for key in ("name", "summary", "source", "emulated")}
@@ -300,6 +271,6 @@ def headset_toml(headset: Headset) -> str:
         offset = eye.head_from_eye.position_m - (side * headset.ipd_m / 2, 0, 0)
         lines += ["", f"[eyes.{name}]", f"tangents = {eye.fov.tangents.tolist()}", f"offset_m = {offset.tolist()}"]
         lines += [f"orientation_xyzw = {list(eye.head_from_eye.unit_quaternion)}"]
-        if eye.hidden:
-            lines.append(f"hidden = {[[list(point) for point in polygon] for polygon in eye.hidden]}")
+        if eye.hidden is not None:
+            lines.append(f"hidden = {[[list(point) for point in polygon] for polygon in eye.hidden.polygons]}")
     return "\n".join(lines) + "\n"

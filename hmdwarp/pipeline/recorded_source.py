@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..frames import EyeImage, Frame, Needs
 from ..geometry import Fov, Guard, GuardBand, Pose, View, guarded_eyes, inverse_depth_from_metres
 from ..gpu import Gpu
-from ..headsets import CameraDisplay, camera_display
+from ..headsets import Headset, camera_display
 from ..poses import LoadedTrace, Origin, PoseSample, PoseTrack
 from ..poses.assumptions import unstated
 from ..poses.quaternions import multiply, rotate
@@ -195,7 +195,7 @@ class RecordingSource(Source):
         return cls(sequence, options.guard_factors, options.eye_distance_mm)
 
     @cached_property
-    def headset(self) -> CameraDisplay:
+    def headset(self) -> Headset:
         """The camera's display. Errors: as display_of."""
         return display_of(self.sequence, self._guard, self._eye_distance_mm * 1e-3)
 
@@ -278,7 +278,7 @@ class RecordingSource(Source):
         return RecordedRenderer(gpu, self.scene, self.sequence, moment_of)
 
 
-def display_of(sequence: Sequence, guard: GuardBand | None = None, eye_distance_m: float = 0.0) -> CameraDisplay:
+def display_of(sequence: Sequence, guard: GuardBand | None = None, eye_distance_m: float = 0.0) -> Headset:
     """Return a display that shows what the camera sees.
 
     guard: shows the middle of it alone, so that the rest is a guard band. eye_distance_m: how far a

@@ -34,7 +34,7 @@ def headset_plot_png(headset: Headset) -> bytes:
             edge = np.array([(left, down), (right, down), (right, up), (left, up), (left, down)])
             axes.fill(*_angles(eye, edge).T, color=colour, alpha=0.18, lw=0)
             axes.plot(*_angles(eye, edge).T, color=colour, lw=1.5, label=name)
-            for polygon in eye.hidden:
+            for polygon in eye.hidden.polygons if eye.hidden is not None else ():
                 axes.fill(
                     *_angles(eye, np.array([*polygon, polygon[0]])).T, color=colour, alpha=0.35, lw=0, hatch="///"
                 )

@@ -6,10 +6,8 @@
 // PASS 0 keeps the largest key of each shown pixel: above depth_key, below the complement of the
 // index, so that of equal depth keys the lowest index wins. PASS 1 copies the colours, and needs no
 // 64-bit arithmetic.
-#if PASS == 0
 #extension GL_ARB_gpu_shader_int64 : require
 #extension GL_NV_shader_atomic_int64 : require
-#endif
 #include "lib/scatter_sizes.glsl"
 #if PASS == 0
 #include "lib/scatter.glsl"

@@ -164,13 +164,13 @@ def test_the_devices_are_listed_with_what_draws_on_each():
     if found.state == OPTIONAL:
         pytest.skip(f"EGL lists no devices here: {found.detail}")
     assert found.detail.startswith("0: ") and "HMDWARP_EGL_DEVICE chooses another" in found.detail
-    known = {"devices": [{"index": 0, "file": "/dev/dri/card0", "renderer": "Some GPU"}], **DIED}
-    assert doctor._devices(known).detail == "0: Some GPU at /dev/dri/card0; ended with status -11"
+    known = {"devices": [{"index": 0, "renderer": "Some GPU"}], **DIED}
+    assert doctor._devices(known).detail == "0: Some GPU; ended with status -11"
 
 
 def test_a_device_that_is_not_there_is_told_with_the_list(monkeypatch):
     monkeypatch.setenv("HMDWARP_EGL_DEVICE", "99")
     found = looked("OpenGL")
     assert found.state == MISSING
-    assert "HMDWARP_EGL_DEVICE=99 names no device here, expected one of 0: " in found.detail
+    assert "HMDWARP_EGL_DEVICE=99 names no device here, expected one of 0" in found.detail
     assert found.remedy.startswith("unset HMDWARP_EGL_DEVICE")

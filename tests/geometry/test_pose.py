@@ -125,18 +125,14 @@ def test_isclose_sees_angle_and_distance(pose, angle, distance):
 SHARES = st.floats(0, 1)
 
 
-def turn_between(a: Pose, b: Pose) -> float:
-    return float((a.rotation.inv() * b.rotation).magnitude())
-
-
 @given(poses(), poses(), SHARES)
 def test_towards_goes_straight_and_at_an_even_rate(pose, other, share):
     there = pose.towards(other, share)
-    whole = turn_between(pose, other)
+    whole = pose.angle_to(other)
     assert np.abs(there.position_m - (pose.position_m + share * (other.position_m - pose.position_m))).max() <= ATOL
-    assert abs(turn_between(pose, there) - share * whole) <= 1e-7
-    assert abs(turn_between(there, other) - (1 - share) * whole) <= 1e-7
-    assert turn_between(pose, there) <= math.pi * share + 1e-7, "never the longer way"
+    assert abs(pose.angle_to(there) - share * whole) <= 1e-7
+    assert abs(there.angle_to(other) - (1 - share) * whole) <= 1e-7
+    assert pose.angle_to(there) <= math.pi * share + 1e-7, "never the longer way"
 
 
 # Another order of a sum of four products of numbers up to 1, and a square root: a few units in the

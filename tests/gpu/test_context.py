@@ -101,15 +101,13 @@ def test_a_machine_without_opengl_is_told_what_to_install(monkeypatch, display):
 
 
 def test_a_device_is_chosen_by_its_number(monkeypatch, gpu):
-    names = {device.index: egl.renderer_of(device, context.WANTED) for device in egl.devices()}
-    assert works(gpu), "asking leaves the context current that was"
-    for index, name in names.items():
+    for index, name in enumerate([egl.renderer_of(device, context.WANTED) for device in egl.devices()]):
         monkeypatch.setenv(egl.VARIABLE, str(index))
         with Gpu() as chosen:
             assert chosen.renderer == name and works(chosen)
     for wanted in ("99", "Voodoo 2"):
         monkeypatch.setenv(egl.VARIABLE, wanted)
-        with pytest.raises(InputError, match=rf"^HMDWARP_EGL_DEVICE={wanted} names no device here, .* 0: .+: give"):
+        with pytest.raises(InputError, match=rf"^HMDWARP_EGL_DEVICE={wanted} names no device here, .* of 0\b"):
             Gpu()
     assert works(gpu)
 
@@ -123,12 +121,9 @@ def lose(monkeypatch) -> None:
     monkeypatch.setattr(context, "reset_status_of", lambda gl: lambda: 0x8253)
 
 
-def test_a_context_that_lives_says_so(gpu):
+def test_a_lost_context_is_one_plain_error(gpu, monkeypatch):
     gpu.check_not_lost()
     assert reset_status_of(gpu.gl)() == 0
-
-
-def test_a_lost_context_is_one_plain_error(monkeypatch):
     lose(monkeypatch)
     with pytest.raises(MachineError, match=r"was reset, .* lost \(.*0x8253.*start again") as caught, Gpu():
         raise RuntimeError("what a driver says once its context is gone")

@@ -30,8 +30,16 @@ def shaders(tmp_path, monkeypatch) -> Path:
     return tmp_path
 
 
+def tree(root: Path, **files: str) -> None:
+    """Write files by name, __ for / and the first _ for the dot: a__b_glsl is a/b.glsl."""
+    for name, text in files.items():
+        path = root / name.replace("__", "/").replace("_", ".", 1)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+
 def compute(gpu, root: Path, text: str, **defines: object) -> Compute:
-    (root / "test.comp").write_text(text, encoding="utf-8")
+    tree(root, test_comp=text)
     return Compute(gpu.gl, "test.comp", defines)
 
 
@@ -53,10 +61,7 @@ HEAD = "layout(local_size_x = 1) in;\nlayout(std430, binding = 0) buffer Out { f
 
 
 def test_a_compile_error_names_the_file_and_line_it_is_in(gpu, shaders):
-    (shaders / "lib").mkdir()
-    (shaders / "lib/broken.glsl").write_text(
-        "// one\nfloat good() { return 1.0; }\nfloat bad() { return missing; }\n", encoding="utf-8"
-    )
+    tree(shaders, lib__broken_glsl="// one\nfloat good() { return 1.0; }\nfloat bad() { return missing; }\n")
     with pytest.raises(ShaderError, match=r"lib/broken\.glsl:3\b.*missing") as caught:
         compute(gpu, shaders, f'{HEAD}\n#include "lib/broken.glsl"\nvoid main() {{ o[0] = bad(); }}\n', UNUSED=1)
     assert str(caught.value).startswith("test.comp: ")
@@ -71,8 +76,7 @@ def test_a_draw_names_the_stage_that_is_broken(gpu, shaders, guilty):
         "fragment": "//\n//\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n",
     }
     texts[guilty] += "float broken() { return missing; }\n"
-    for stage, text in texts.items():
-        (shaders / f"a.{stage[:4]}").write_text(text, encoding="utf-8")
+    tree(shaders, a_vert=texts["vertex"], a_frag=texts["fragment"])
     line = texts[guilty].count("\n")
     with pytest.raises(ShaderError, match=rf"^a\.{guilty[:4]}: (.|\n)*a\.{guilty[:4]}:{line}\b(.|\n)*missing"):
         Draw(gpu.gl, "a.vert", "a.frag", {})
@@ -94,8 +98,7 @@ LINKER = {  # recorded: what is said, the stage that the error begins with, and 
 @pytest.mark.parametrize("driver", LINKER)
 def test_linker_messages_are_translated_by_their_stage(shaders, driver):
     message, first, told = LINKER[driver]
-    for stage in ("vert", "frag"):
-        (shaders / f"a.{stage}").write_text("//\n//\nvoid main() {}\n", encoding="utf-8")
+    tree(shaders, a_vert="//\n//\nvoid main() {}\n", a_frag="//\n//\nvoid main() {}\n")
     context = SimpleNamespace(program=Mock(side_effect=moderngl.Error(message)))
     with pytest.raises(ShaderError) as caught:
         Draw(context, "a.vert", "a.frag", {})
@@ -271,9 +274,12 @@ def test_more_groups_than_the_gpu_takes_are_refused(gpu, shaders):
 
 
 def test_the_library_compiles_each_combination_once(gpu, shaders):
-    (shaders / "a.comp").write_text("layout(local_size_x = 1) in;\nvoid main() {}", encoding="utf-8")
-    (shaders / "a.vert").write_text("void main() { gl_Position = vec4(0.0); }", encoding="utf-8")
-    (shaders / "a.frag").write_text("out vec4 c;\nvoid main() { c = vec4(1.0); }", encoding="utf-8")
+    tree(
+        shaders,
+        a_comp="layout(local_size_x = 1) in;\nvoid main() {}",
+        a_frag="out vec4 c;\nvoid main() { c = vec4(1.0); }",
+    )
+    tree(shaders, a_vert="void main() { gl_Position = vec4(0.0); }")
     library = ShaderLibrary(gpu.gl)
     plain, ordered = library.compute("a.comp"), library.compute("a.comp", A=1, B=2)
     assert library.compute("a.comp") is plain and library.compute("a.comp", B=2, A=1) is ordered
@@ -285,44 +291,35 @@ def test_the_library_compiles_each_combination_once(gpu, shaders):
 # --- includes: each file once, and every line remembers where it came from ------------------------
 
 
-def tree(root: Path, **files: str) -> Path:
-    """Files by name, __ for / and the first _ for the dot: a__b_glsl is a/b.glsl."""
-    for name, text in files.items():
-        path = root / name.replace("__", "/").replace("_", ".", 1)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    return root
-
-
-def test_nested_includes_come_in_place_and_once(tmp_path):
-    root = tree(
-        tmp_path,
+def test_nested_includes_come_in_place_and_once(shaders):
+    tree(
+        shaders,
         main_comp='// main\n#include "lib/a.glsl"\n#include "lib/b.glsl"\nvoid main() {}\n',
         lib__a_glsl='int a1;\n#include "lib/c.glsl"\nint a2;\n',
         lib__b_glsl='#include "lib/c.glsl"\nint b1;\n#include "lib/a.glsl"\n',
         lib__c_glsl="int c1;\n",
     )
-    flat = flatten("main.comp", root=root)
+    flat = flatten("main.comp")
     assert flat.lines == [VERSION, "// main", "int a1;", "int c1;", "int a2;", "int b1;", "void main() {}"]
     assert flat.origins[1:] == [
         ("main.comp", 1), ("lib/a.glsl", 1), ("lib/c.glsl", 1), ("lib/a.glsl", 3), ("lib/b.glsl", 2), ("main.comp", 4),
     ]  # fmt: skip
     assert flat.text == "\n".join(flat.lines) + "\n"
-    tree(tmp_path, main_comp="#version 460\nint m;\n")
-    flat = flatten("main.comp", {"PASS": 2, "COLOUR": 1}, root=root)
+    tree(shaders, main_comp="#version 460\nint m;\n")
+    flat = flatten("main.comp", {"PASS": 2, "COLOUR": 1})
     assert flat.lines == [VERSION, "#define PASS 2", "#define COLOUR 1", "int m;"]
     assert flat.origins[-1] == ("main.comp", 2), "the file's own #version is dropped, its line numbers are kept"
 
 
-def test_a_missing_include_names_the_line_that_wanted_it(tmp_path):
-    root = tree(tmp_path, main_comp='int m;\n#include "lib/a.glsl"\n', lib__a_glsl='\n\n#include "lib/gone.glsl"\n')
-    with pytest.raises(
-        ShaderError, match=r"shader file 'lib/gone\.glsl' included by lib/a\.glsl:3: No such file"
-    ) as caught:
-        flatten("main.comp", root=root)
-    assert "\n" not in str(caught.value)
-    with pytest.raises(ShaderError, match=r"'other\.comp' included by the program"):
-        flatten("other.comp", root=root)
+def test_a_missing_include_names_the_line_that_wanted_it(shaders):
+    tree(shaders, main_comp='int m;\n#include "lib/a.glsl"\n', lib__a_glsl='\n\n#include "lib/gone.glsl"\n')
+    tree(shaders, by_comp="int m;\n#include LENS\n")
+    for name, said in {
+        "main": r"^shader file 'lib/gone\.glsl' included by lib/a\.glsl:3: No such file",
+        "other": r"'other\.comp' included by the program", "by": r"^by\.comp:2 includes LENS, which no define",
+    }.items():  # fmt: skip
+        with pytest.raises(ShaderError, match=said):
+            flatten(f"{name}.comp")
 
 
 MESSAGES = {  # the lines: version, m, a, b, n
@@ -336,7 +333,7 @@ MESSAGES = {  # the lines: version, m, a, b, n
 }
 
 
-def test_messages_of_several_compilers_are_translated(tmp_path):
-    root = tree(tmp_path, main_comp='int m;\n#include "a.glsl"\nint n;\n', a_glsl="int a;\nint b;\n")
-    flat = flatten("main.comp", root=root)
+def test_messages_of_several_compilers_are_translated(shaders):
+    tree(shaders, main_comp='int m;\n#include "a.glsl"\nint n;\n', a_glsl="int a;\nint b;\n")
+    flat = flatten("main.comp")
     assert {message: flat.translate(message) for message in MESSAGES} == MESSAGES

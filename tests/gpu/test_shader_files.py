@@ -311,30 +311,6 @@ def test_there_is_no_array_of_bool(name):
     assert not re.search(r"\bbool\s+\w+\s*\[|\bbool\s*\[", text)
 
 
-# --- the reader of this test --------------------------------------------------------------------
-
-
-PASSES = "#if PASS == 0\na\n#elif PASS == 1 // comment\nb\n#else\nc\n#endif\n"
-UNTAKEN = [  # a text, the defines of its variants, and the sides that none of them takes
-    (PASSES, [{"PASS": 0}], {"3: #elif PASS == 1", "5: #else"}),
-    (PASSES, [{"PASS": 0}, {"PASS": 1}], {"5: #else"}),
-    (PASSES, [{"PASS": 0}, {"PASS": 1}, {"PASS": 2}], set()),
-    ("#ifdef NEW\nx\n#endif", [{}], {"1: #ifdef NEW"}),
-    ("#ifdef NEW\nx\n#endif", [{"NEW": 1}], {"1: none of its sides"}),
-    ("#ifndef ROWS\n#define ROWS 4\n#endif\n#if ROWS > 4\n#endif", [{}], {"1: none of its sides", "4: #if ROWS > 4"}),
-    ("#ifdef A\n#ifdef B\n#else\n#endif\n#endif", [{}, {"B": 1}], {"1: #ifdef A", "2: #ifdef B", "3: #else"}),
-]
-
-
-def test_the_reader_notices_sides_that_nobody_takes():
-    for text, variants, wanted in UNTAKEN:
-        sides = Sides()
-        for defines in variants:
-            lines = [f"#define {name} {value}" for name, value in defines.items()] + text.splitlines()
-            walk(lines, [0] * len(defines) + list(range(1, len(lines) - len(defines) + 1)), sides)
-        assert {f"{origin}: {side}" for origin, side in sides.known - sides.taken} == wanted
-
-
 # --- just enough of GLSL's preprocessor to tell which side of each #if is taken -------------------
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import time
 
 import pytest
 
@@ -110,21 +109,6 @@ def test_wall_stages_wait_for_what_was_issued_before_and_inside(fake):
         pass
     assert timer.collect() == [("warp", 6.0), ("fill", 1.0)]
     assert timer.collect() == []
-
-
-def test_a_real_stage_takes_at_least_as_long_as_what_happens_in_it(gpu):
-    timer = StageTimer(gpu.gl)
-    inside_ms = {}
-    for name in ("short", "long"):
-        with timer.stage(name):
-            started = time.perf_counter_ns()
-            while time.perf_counter_ns() - started < (1_000_000 if name == "short" else 4_000_000):
-                pass
-            inside_ms[name] = (time.perf_counter_ns() - started) * 1e-6
-    got = timer.collect()
-    assert [name for name, _ in got] == ["short", "long"]
-    if timer.clock == "wall":  # a GPU's clock does not see the CPU wait
-        assert all(ms >= inside_ms[name] for name, ms in got)
 
 
 def test_a_stage_that_fails_leaves_the_timer_and_its_query_usable(fake):

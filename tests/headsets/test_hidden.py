@@ -142,7 +142,7 @@ def test_the_mesh_of_a_runtime_is_kept_in_a_file(tmp_path):
     (tmp_path / "mine.toml").write_text(headset_toml(found))
     again = load_headset(str(tmp_path / "mine.toml"))
     assert (again.eye_size_px, again.refresh_hz, again.ipd_m) == ((300, 320), 72.0, 0.064)
-    assert [eye.hidden for eye in again.eyes] == [corner, ()]
+    assert [eye.hidden and eye.hidden.polygons for eye in again.eyes] == [corner, None]
     assert again.eyes[0].hidden_share == pytest.approx(1 / 32, abs=0.002)
 
 
@@ -151,7 +151,7 @@ def test_a_panel_shows_what_is_seen_as_ever_and_is_black_elsewhere(gpu, chain):
     """Both eyes by turns: what is left out is each one's own."""
     corners = tuple(((x, y), (x, 0.3 * y), (0.3 * x, y)) for x in (-1.2, 1.2) for y in (-1.4, 1.4))
     whole = load_headset("rift-dk1")
-    headset = attrs.evolve(whole, eyes=tuple(attrs.evolve(eye, hidden=corners) for eye in whole.eyes))
+    headset = attrs.evolve(whole, eyes=tuple(attrs.evolve(eye, hidden=Hidden(corners, eye.fov)) for eye in whole.eyes))
     size, panels = (80, 100), []
     server = Server(gpu, load_scene("room"))
     for worn in (headset, whole):

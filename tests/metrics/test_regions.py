@@ -25,7 +25,7 @@ def regions(coverage: np.ndarray, depth: np.ndarray, *views) -> np.ndarray:
 
 def plane(normal, distance_m: float) -> np.ndarray:
     """(h, w) inverse depth of the plane normal * p = -distance; 0 where it is not in view."""
-    rays = View(Pose(), Fov.symmetric_deg(6.4, 4.8)).rays(SIZE)
+    rays = View(Pose(), Fov.symmetric(*np.radians((6.4, 4.8)))).rays(SIZE)
     return np.maximum(-(rays @ np.asarray(normal, float)) / distance_m, 0).astype(np.float32)
 
 

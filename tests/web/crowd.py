@@ -16,7 +16,7 @@ from serving import Serving
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.sources.feed.message import RGBA8, Ask, Wish, decode, encode
 
-EYES = (View(Pose((0, 1.6, 0)), Fov.symmetric_deg(90, 80)),)
+EYES = (View(Pose((0, 1.6, 0)), Fov.symmetric(1.57, 1.4)),)
 
 
 def ask(number: int = 1, size=(64, 48)) -> bytes:

@@ -32,7 +32,7 @@ MOST_OFF = 2.0**-8 + 3 * 2.0**-12
 # Where a comparison stands on the brink, roundings decide: pixels of a border's column at most.
 MOST_PARTED = 0.01
 SIZE = (96, 80)
-EYE = Fov.symmetric_deg(90, 78)
+EYE = Fov.symmetric(*np.radians((90, 78)))
 STANDING = Pose((0.1, 1.6, 0.2))
 FAR = 1e6
 

@@ -272,8 +272,8 @@ def about_unit(
             read = f"up to {as_read:.3g} in the file: if that is metres already, {option.format(1)} takes it so."
             return [f"{spans} m by the scale that is stated, and {read}"]
         if not _REVERSED <= middle <= _STANDARD:
-            side, more = ("above", "") if middle > _STANDARD else ("below", ", reversed_z=True")
-            metres = f"If it is one, 1 / hmdwarp.inverse_depth_from_clip(depth, near, far{more}) has metres"
+            side, planes = ("above", "near, far") if middle > _STANDARD else ("below", "far, near")
+            metres = f"If it is one, 1 / hmdwarp.DepthLayer(0, 1, {planes}).inverse_depth(depth) has metres"
             why = f"half of it {side} {middle:.3g}: so are the values of a depth buffer, not metres. {metres}"
             return [f"{spans}, {why}; 'hmdwarp check' finds near and far."]
     near = float(np.quantile(known, 0.01, method="lower")) if len(known) else 0.0
