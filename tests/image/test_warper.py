@@ -170,29 +170,6 @@ def test_by_default_unrelated_pictures_know_nothing_of_each_other(gpu):
     assert after.hole_share > 0.2 and (after.colour == alone.colour).all()
 
 
-<<<<<<< HEAD
-=======
-@pytest.mark.parametrize("fill", ["memory+pyramid", "memory+interpolate+pyramid"])
-def test_times_name_each_fill_and_sum_up_pictures(gpu, fill):
-    """What has taken as long before is counted, not replaced by what comes after it."""
-    fills = {f"fill {name}" for name in fill.split("+")}
-    with Warper(SIZE, warp="iterative", fill=fill, gpu=gpu) as warper:
-        assert set(warper.warp(*picture(0), view(), view((0.1, 0, 0))).time_ms) == {*STAGES, *fills}
-        colour, depth = (allocate(gpu.gl, SIZE, kind) for kind in (COLOUR, SCALAR))
-        gpu.timer._now._done.append(("warp", 1e6))
-        for long_ms in (0, *(10.0**power for power in range(6, 6 + len(fills)))):
-            if long_ms:
-                gpu.timer._now._done.append(("fill", long_ms))
-            else:
-                warper.warp_textures(colour, depth, view(), view((0.1, 0, 0)))
-        found = warper.time_ms
-        assert found.pop("warp") > 1e6 and warper.time_ms == {}
-        assert [round(np.log10(found[f"fill {name}"]), 2) for name in fill.split("+")] == [*range(6, 6 + len(fills))]
-        for texture in (colour, depth):
-            texture.release()
-
-
->>>>>>> h-gpu
 def test_a_warper_warns_once(gpu):
     """Of depth in millimetres, the largest integer, and no depth, at the first such picture."""
     colour, depth = np.zeros((30, 40, 3), np.uint8), np.full((30, 40), 2000.0)
