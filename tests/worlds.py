@@ -19,11 +19,10 @@ from hmdwarp.geometry import Fov, Pose, View, face_views
 from hmdwarp.geometry.cube import FACES
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download, flip_rows
 
-PICTURED = ("layered", "mesh", "mesh_adaptive", "multi", "splat")
+PICTURED = ("mesh", "mesh_adaptive", "splat")
 """Warps without a twin: golden pictures hold them, tests/client/test_contract.py.
 
-What a rasteriser does at edges, a footprint, or a search in several pictures would be the same
-route again in float64.
+What a rasteriser does at edges, or a footprint, would be the same route again in float64.
 """
 
 
@@ -268,7 +267,7 @@ class World:
     def asked(self, settings: object) -> TwinInputs:
         return TwinInputs(
             self.colour, self.inverse_depth, self.rendered_view, self.shown_view, self.shown_size,
-            client_inverse_depth=self.client, cube=self.cube, settings=settings,
+            client_inverse_depth=self.client, layers=self.layers, cube=self.cube, others=self.others, settings=settings,
             sampler_pixels=self.sampler_pixels,
         )  # fmt: skip
 

@@ -47,9 +47,10 @@ class TwinInputs:
     The rendered picture and its view, the shown view and its (w, h), and what else the warp reads.
 
     colour, inverse_depth as in RenderedPicture. client_inverse_depth: (h, w) of the shown size.
-    cube: (3n, 2n, 4) as geometry.cube lays it out. settings: the warp's. sampler_pixels: how far,
-    in pixels, the sampler may place a bilinear look beside where it should be. places: where the
-    shown view is looked at, if not at its pixel centres; the result then has their shape.
+    layers: pictures of the rendered view, nearest first. cube: (3n, 2n, 4) as geometry.cube lays it
+    out. others: further rendered pictures. settings: the warp's. sampler_pixels: how far, in
+    pixels, the sampler may place a bilinear look beside where it should be. places: where the shown
+    view is looked at, if not at its pixel centres; the result then has their shape.
     """
 
     colour: Array
@@ -58,7 +59,9 @@ class TwinInputs:
     shown: View
     shown_size: tuple[int, int]
     client_inverse_depth: Array | None = None
+    layers: tuple[RenderedPicture, ...] = ()
     cube: Array | None = None
+    others: tuple[RenderedPicture, ...] = ()
     settings: Any = None
     sampler_pixels: float = GPU_SAMPLER_PIXELS
     places: Places | None = None

@@ -8,8 +8,9 @@ from collections.abc import Callable
 import attrs
 import numpy as np
 
-from reference._rays import project, world_directions
-from reference.picture import HALF_UNIT, ReferencePicture, TwinInputs
+from hmdwarp.geometry import View
+from reference._rays import Array, project, world_directions
+from reference.picture import HALF_UNIT, ReferencePicture, RenderedPicture, TwinInputs
 
 LARGEST_HALF = 65504.0
 
@@ -25,13 +26,25 @@ def shown_depth(inputs: TwinInputs, twin: Callable[[TwinInputs], ReferencePictur
         depth, tolerance = itself.inverse_depth
         covered = itself.colour[..., 3:]
         return attrs.evolve(itself, colour=covered * np.dstack([depth] * 3 + [covered[..., 0]]), tolerance=tolerance)
-    own, shown = inputs.inverse_depth, inputs.shown
-    offset_m = inputs.rendered.pose.position_m - shown.pose.position_m
-    rays = world_directions(inputs.rendered, inputs.size)
-    _, depth, w = project(rays, offset_m, np.maximum(own, 0), shown, inputs.size)
-    known = (own >= 0) & (w > 0) & (np.nan_to_num(depth, nan=np.inf) <= LARGEST_HALF)
-    colour = np.zeros((*own.shape, 4))
-    colour[known, 0], colour[known, 3] = depth[known], 1
-    found = twin(attrs.evolve(inputs, colour=colour))
+    own = RenderedPicture(inputs.colour, inputs.inverse_depth, inputs.rendered)
+    swapped = attrs.evolve(
+        inputs,
+        colour=_as_colour(own, inputs.shown),
+        layers=tuple(attrs.evolve(layer, colour=_as_colour(layer, inputs.shown)) for layer in inputs.layers),
+        others=tuple(attrs.evolve(other, colour=_as_colour(other, inputs.shown)) for other in inputs.others),
+    )
+    found = twin(swapped)
     stored_once_more = HALF_UNIT * np.abs(found.colour[..., 0])
     return attrs.evolve(found, tolerance=found.tolerance + 2 * stored_once_more)
+
+
+def _as_colour(picture: RenderedPicture, shown: View) -> Array:
+    size = picture.inverse_depth.shape[::-1]
+    offset_m = picture.view.pose.position_m - shown.pose.position_m
+    _, depth, w = project(
+        world_directions(picture.view, size), offset_m, np.maximum(picture.inverse_depth, 0), shown, size
+    )
+    known = (picture.inverse_depth >= 0) & (w > 0) & (np.nan_to_num(depth, nan=np.inf) <= LARGEST_HALF)
+    out = np.zeros((*picture.inverse_depth.shape, 4))
+    out[known, 0], out[known, 3] = depth[known], 1
+    return out
