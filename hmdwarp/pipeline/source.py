@@ -24,13 +24,12 @@ from ..frames.layers import PICTURE
 from ..geometry import Eyes, Guard, Pose, View, looking
 from ..gpu import Gpu
 from ..headsets import Headset, load_headset
-from ..link import LinkOptions
 from ..poses import LoadedTrace, PoseSample, PoseSource
 from ..poses.assumptions import Assumption
 from ..poses.track import Gaze, Moment
 from ..scenes import InputEvent, InputLog, Scene
 from ..sources.server import Renderer, Server
-from .channel import Channel, ChannelSetup, Coder, Reads
+from .channel import Channel, Reads, Way
 from .options import SCENE, PipelineOptions, SourceKind
 
 # Where recorded frames are at an instant.
@@ -104,9 +103,9 @@ class FrameSource(ABC):
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:  # noqa: B027 (most do not care)
         """Take note of whether a frame arrived, which the sender hears at that instant."""
 
-    def channel(self, setup: ChannelSetup) -> Channel:
-        """Return the channel that the frames come through."""
-        return Channel(setup, self.recycle)
+    def channel(self, *setup: Any) -> Channel:
+        """Return the channel that the frames come through. setup: of a Channel, without recycle."""
+        return Channel(self.recycle, *setup)
 
 
 @attrs.frozen(eq=False)
@@ -160,12 +159,12 @@ def joined(
     geometry: ClientScene,
     requested: PoseRequest,
     plans: Sequence[Plan],
-    link: tuple[LinkOptions, int, float, Coder | None],
+    way: Way,
     stack: ExitStack,
 ) -> tuple[Channel, History]:
     """Return the channel of the frames, and the older ones that these plans keep.
 
-    link: its options, latency in ns, refresh rate and coder. Both are freed with the stack.
+    Both are freed with the stack.
     """
 
     def settled(frame: Frame, arrived: bool, heard_ns: int) -> None:  # both ends take note of it
@@ -175,7 +174,7 @@ def joined(
 
     history = History(requested.needs.others, frames.recycle)
     stack.callback(history.close)
-    channel = frames.channel(ChannelSetup(*link, Reads.of(plans), history.offer, settled))
+    channel = frames.channel(way, Reads.of(plans), history.offer, settled)
     stack.callback(channel.close)
     return channel, history
 
