@@ -209,7 +209,6 @@ def _warp_name(value: str) -> str:
     return value
 
 
-HELD_GAZE, PREDICTED_GAZE = "held", "predicted"
 # Headings of options in help.
 _RENDERING, DISPLAYED = "Rendering", "Display"
 RECORDED = SequenceOptions.heading
@@ -366,12 +365,6 @@ class PipelineOptions(Declared):
         "Display pixels that one pixel covers on each axis beyond --fovea.",
         valid=Number(least=2, most=16),  # as Fovea has it; geometry brings NumPy
     )
-    gaze: str = _rendering(
-        HELD_GAZE,
-        "Where --fovea is: at the gaze that the server knows when it draws, or at the one predicted for display.",
-        valid=one_of(HELD_GAZE, PREDICTED_GAZE),
-        limits=f"{HELD_GAZE} or {PREDICTED_GAZE}",
-    )
     fused: bool = _displayed(False, "Warp and apply the lens in one resample; for gather warps, without fill.")
     scanout_ms: float = _displayed(
         0.0, "Milliseconds that the display takes from its first row to its last.", valid=Number(most=100)
@@ -426,10 +419,8 @@ class PipelineOptions(Declared):
             }
             for text, is_set in asked.items():
                 yield is_set, f"--{text} with --frames: {_SET_BY_FRAMES}"
-        for name in ("rim", "gaze"):
-            found = getattr(self, name)
-            is_said = found != getattr(attrs.fields(type(self)), name).default
-            yield is_said and not is_foveated, f"--{name} {found}: frames are as sharp everywhere; it is for --fovea"
+        is_said = self.rim != attrs.fields(type(self)).rim.default
+        yield is_said and not is_foveated, f"--rim {self.rim}: frames are as sharp everywhere; it is for --fovea"
         yield is_foveated and changes, "--fovea with --send changes: eyes move where nothing else does; leave one out"
         sets = options_of_strategy(self.strategy) if self.strategy else {}
         values = {"warp": self.warp, "fill": self.fill, "effects": self.effects, "proxy": self.proxy.on}
@@ -525,7 +516,7 @@ class PipelineOptions(Declared):
             found.append(self.light_note)
         if self.fovea is not None:
             found.append(
-                f"Frames are coarser away from the gaze that is {self.gaze} when they are drawn: {self.fovea}; it is "
+                f"Frames are coarser away from the gaze that is known when they are drawn: {self.fovea}; it is "
                 "straight ahead where the head's motion has no gaze."
             )
         if self.network.response == SUM:

@@ -181,12 +181,7 @@ class _ProxySource(Source):
     kind = PROXY
 
     def frames(
-        self,
-        options: PipelineOptions,
-        server: Renderer,
-        target: Target,
-        requested: PoseRequest,
-        stack: ExitStack,
+        self, options: PipelineOptions, server: Renderer, target: Target, requested: PoseRequest, stack: ExitStack
     ) -> Proxy:
         """Return the proxy: a loop like the client's, over frames that the server draws for it.
 

@@ -113,18 +113,16 @@ class RecordedRenderer(Renderer):
             frame = self.nearest_to(shown_ns)
             move_m = float(np.linalg.norm(frame.pose.position_m - pose.position_m))
             rows.append((abs(frame.time_ns - shown_ns) * 1e-6, math.degrees(frame.pose.angle_to(pose)), move_m))
-        offsets = {
-            name: {"median": round(float(np.median(column)), 6), "most": round(max(column), 6)}
-            for name, column in zip(("time_ms", "turn_deg", "move_m"), zip(*rows, strict=True), strict=True)
-        }
+        offsets, parts = {}, []
+        units = (("time_ms", "ms", 1), ("turn_deg", "degrees", 2), ("move_m", "m", 3))
+        for (name, unit, digits), column in zip(units, zip(*rows, strict=True), strict=True):
+            middle, most = round(float(np.median(column)), 6), round(max(column), 6)
+            offsets[name] = {"median": middle, "most": most}
+            parts.append(f"{middle:.{digits}f} {unit} (at most {most:.{digits}f})")
         facts = {"eyes": 1, "truth_offset": offsets}
         if not any(offset["most"] > _NOTHING for offset in offsets.values()):
             return facts, "The truth is the recorded frame of the shown instant itself."
-        parts = ", ".join(
-            f"{offsets[name]['median']:.{digits}f} {unit} (at most {offsets[name]['most']:.{digits}f})"
-            for name, unit, digits in (("time_ms", "ms", 1), ("turn_deg", "degrees", 2), ("move_m", "m", 3))
-        )
-        text = f"The truth is the recorded frame nearest to the shown instant, off by {parts} in the median."
+        text = f"The truth is the recorded frame nearest to the shown instant, off by {', '.join(parts)} in the median."
         if offsets["turn_deg"]["median"] * pixels_per_degree > _ANOTHER or not own_head:
             text += " That is another view than the one shown: the figures count this difference as error."
         return facts, text
@@ -198,11 +196,6 @@ class RecordingSource(Source):
     def headset(self) -> CameraDisplay:
         """The camera's display. Errors: as display_of."""
         return display_of(self.sequence, self._guard, self._eye_distance_mm * 1e-3)
-
-    @property
-    def title(self) -> str:
-        """Its kind and name, for messages."""
-        return f"recorded frames '{self.scene.name}'"
 
     @cached_property
     def notes(self) -> list[str]:

@@ -480,12 +480,7 @@ class RemoteSource(Source):
         return done
 
     def frames(
-        self,
-        options: PipelineOptions,
-        server: Renderer,
-        target: Shown,
-        requested: PoseRequest,
-        stack: ExitStack,
+        self, options: PipelineOptions, server: Renderer, target: Shown, requested: PoseRequest, stack: ExitStack
     ) -> RemoteFrames:
         """Return the frames that the server elsewhere draws."""
         remote = self.remote

@@ -7,8 +7,8 @@ from .prediction import Analysis as Analysis
 from .prediction import PredictionErrors as PredictionErrors
 from .prediction import analyse as analyse
 from .prediction import error_row as error_row
-from .prediction import foreseen_gaze as foreseen_gaze
 from .prediction import gaze_of as gaze_of
+from .prediction import known_gaze as known_gaze
 from .prediction import predict as predict
 from .prediction import trace_as_json as trace_as_json
 from .predictors import predictors as predictors
