@@ -330,7 +330,8 @@ class Channel:
         # Whether stages delay a frame; how long the last one was decoded; and when the server can
         # draw again.
         self._sums, self._decode_ns, self._free_ns = network.response == SUM, 0, -math.inf
-        self._refreshes = self._frames = self._skipped = self._unchanged = self._eyes = 0
+        self._refreshes = self._frames = self._skipped = self._eyes = 0
+        self.unchanged = 0  # frames that were not drawn, because nothing would have changed
         self._bytes = Counter[str]()
         self._weights: dict[object, Counter[str]] = {}  # of frames that have pictures alone
         # Summary of what stands before this link, given the refreshes per second.
@@ -372,14 +373,6 @@ class Channel:
         self._skipped += is_busy
         return is_busy
 
-    def has_to_send(self, now_ns: int) -> bool:
-        """Return whether a frame is wanted even if nothing moved: one is missing."""
-        return self.link.needs_key(now_ns)
-
-    def leave_out(self, now_ns: int) -> None:
-        """Count a frame that was not drawn, because nothing would have changed."""
-        self._unchanged += 1
-
     def send(self, frame: Frame, now_ns: int) -> None:
         """Send a frame from the server."""
         self._eyes = len(frame.eyes)
@@ -400,18 +393,15 @@ class Channel:
     def _uncoded_bytes(self, frame: Frame) -> Counter[str]:
         """Return what a frame weighs that goes as it was drawn, by layer."""
         first, last = frame.eyes[0], frame.eyes[-1]
+        key = first.colour.size, last.colour.size, first.colour is last.colour
         # Pictures alone weigh the same each time.
-        key = (
-            None
-            if first.carried or last.carried
-            else (first.colour.size, last.colour.size, first.colour is last.colour)
-        )
-        if key in self._weights:
+        is_plain = not (first.carried or last.carried)
+        if is_plain and key in self._weights:
             return self._weights[key]
         sizes = Counter[str]()
         for (_, name), layer, data in self._reads.contents(frame):
             sizes[name] += layer.sent_bytes(data)
-        if key is not None:
+        if is_plain:
             self._weights[key] = sizes
         return sizes
 
@@ -432,7 +422,7 @@ class Channel:
 
     def fates(self) -> dict[str, int]:
         """Return what became of every frame, and of the instants at which none was drawn."""
-        return {**self.link.tally.as_dict(), "skipped": self._skipped, "unchanged": self._unchanged}
+        return {**self.link.tally.as_dict(), "skipped": self._skipped, "unchanged": self.unchanged}
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
         """Return the `link` of summary.json: frames, Mbit/s, time and loss of the codec.
@@ -446,7 +436,7 @@ class Channel:
             "layers_mbit_s": {name: count * megabits for name, count in self._bytes.most_common()},
             "frame_bytes": self._bytes.total() / max(self._frames, 1),
             # What asks for a frame, or finds that nothing has changed, as the feed writes it.
-            "up_mbit_s": (self._frames + self._unchanged) * request_bytes(self._eyes) * megabits,
+            "up_mbit_s": (self._frames + self.unchanged) * request_bytes(self._eyes) * megabits,
             **(self._coder.summary() if self._coder is not None else {"codec": "none"}),
             **({"proxy": self.before(rate_hz)} if self.before is not None else {}),
         }

@@ -246,8 +246,8 @@ def check_names(options: PipelineOptions) -> None:
     if options.lens != AUTO:
         lenses.get(options.lens)
     effects.forced(options.effects)
-    codecs.get(options.coding.codec).check()
-    codecs.get(options.proxy.codec).check()
+    for name in (options.coding.codec, options.proxy.codec):
+        codecs.get(name).check()
     options.client_link.delay.check(round(options.latency_ms * 1e6))
     if options.mirrors not in MIRRORS:
         raise unknown_name("kind of mirrors", options.mirrors, list(MIRRORS))

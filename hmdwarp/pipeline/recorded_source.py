@@ -214,24 +214,21 @@ class RecordingSource(Source):
     @property
     def about(self) -> str:
         """What takes the place of a renderer, how much of it is shown, and to which eyes."""
-        sequence, guard = self.sequence, self._guard
+        sequence, guard, floor_db = self.sequence, self._guard, self.sequence.noise_floor_db
         (wide, high), (across, down) = sequence.frames[0].size, _degrees(sequence.frames[0].fov)
-        shown = "{:.1f} x {:.1f} degrees".format(*_degrees(display_of(sequence, guard).eyes[0].fov))
-        sentences = [
+        shown = "All of it is shown: there is no guard band."
+        if guard != GuardBand():
+            part = "{:.1f} x {:.1f} degrees".format(*_degrees(display_of(sequence, guard).eyes[0].fov))
+            shown = f"The middle of it is shown, {part}; the rest is a guard band of {guard.text}."
+        eyes = "One eye is shown, the camera's."
+        if right_mm := self._eye_distance_mm:
+            eyes = f"The left eye is the camera, and the right eye is shown the same frames, {right_mm:g} mm beside it."
+        return (
             f"{len(sequence.frames)} recorded frames of {sequence.path} ({sequence.layout}) take the place of a "
-            f"renderer: {wide}x{high} pixels, {across:.1f} x {down:.1f} degrees.",
-            "A late frame was taken where the camera was.",
-            "All of it is shown: there is no guard band."
-            if guard == GuardBand()
-            else f"The middle of it is shown, {shown}; the rest is a guard band of {guard.text}.",
-            f"The left eye is the camera, and the right eye is shown the same frames, {self._eye_distance_mm:g} mm "
-            "beside it."
-            if self._eye_distance_mm
-            else "One eye is shown, the camera's.",
-        ]
-        if sequence.noise_floor_db is not None:
-            sentences.append(f"Its noise floor is {sequence.noise_floor_db:g} dB, by camera.json.")
-        return " ".join(sentences)
+            f"renderer: {wide}x{high} pixels, {across:.1f} x {down:.1f} degrees. A late frame was taken where the "
+            f"camera was. {shown} {eyes}"
+            + ("" if floor_db is None else f" Its noise floor is {floor_db:g} dB, by camera.json.")
+        )
 
     def fitted(self, options: Options) -> Options:
         """Return the options with the sizes of the frames.

@@ -64,21 +64,18 @@ class Request:
     # (w, h) of one eye's picture as it comes: smaller than asked for where it is foveated.
     size: tuple[int, int]
     acted: range  # which inputs it told the server
-    # As it came, and how long after the request the loop had it.
+    # As it came, how long after the request the loop had it, and what was made of it.
     message: FrameMessage | None = None
     took_ns: int = 0
-    # Bytes that crossed the feed, by layer.
-    layer_bytes: Counter[str] = attrs.field(factory=Counter)
-    frame: Frame | None = None  # what was made of it
+    frame: Frame | None = None
 
     @property
     def is_key(self) -> bool:
         """Whether its frame can be decoded without those before it."""
         came = self.message
         assert came is not None
-        return came.begins or not (
-            feed_coding.codes_video(came.colour) or feed_coding.codes_video(came.depth, of_depth=True)
-        )
+        codes_video = feed_coding.codes_video
+        return came.begins or not (codes_video(came.colour) or codes_video(came.depth, of_depth=True))
 
 
 class Remote:
@@ -98,8 +95,7 @@ class Remote:
         self._number = 0
         self._pending: dict[int, Request] = {}
         self._heard_ns = time.monotonic_ns()
-        # When frames stopped coming; None while they come.
-        self._lost_ns: int | None = None
+        self._lost_ns: int | None = None  # when frames stopped coming; None while they come
         self._losses = self._away_ns = 0
         self.unanswered = self.refused = self.undecodable = 0
         self._decoder, self._anew_number = feed_coding.FeedDecoder(), 0
@@ -108,13 +104,10 @@ class Remote:
         self._told: set[str] = set()
         # How frames are to be coded; raw until it is set.
         self.wish, self.format = Wish(), message.ANY  # the format is that of the colour that came last
-        # What is read of the eyes' pictures; the rest is not sent.
-        self.pictures = frozenset(PICTURE)
+        self.pictures = frozenset(PICTURE)  # what is read of the eyes' pictures; the rest is not sent
         self._paced: tuple[int, int] | None = None
-        # The last instant for which the loop knows what had arrived.
-        self._told_ns: int | None = None
+        self._told_ns: int | None = None  # the last instant for which the loop knows what had arrived
         # Of each frame in the order of drawing, in ns: the instant it was drawn for, and its delay.
-        # Where it keeps them.
         self.delays_ns: list[tuple[int, int]] = []
         # What the server does, as its frames say: leave out what is hidden, take a session, draw
         # foveated frames, and react to inputs.
@@ -123,8 +116,7 @@ class Remote:
         self._session = 0
         self._fates: dict[int, Fate] = {}
         self.age_ns, self.only_changes = 0, False
-        # Requests of this session to which nothing had changed.
-        self.unchanged = 0
+        self.unchanged = 0  # requests of this session to which nothing had changed
         # The scene's clock at an instant of the loop's.
         self.scene_ns: Callable[[int], int] = lambda now_ns: now_ns
         # What people did, oldest first, and how many of these the server is known to have.
@@ -328,11 +320,6 @@ class Remote:
             if self._told_ns is not None:
                 # It came in just before a refresh that was shown without it: handed over after.
                 request.took_ns = max(request.took_ns, self._told_ns + 1 - request.drawn_ns)
-            pictures = {"colour": frame.colours, "inverse_depth": frame.inverse_depths}
-            sizes = Counter({name: sum(map(message.length_of, both)) for name, both in pictures.items()})
-            for of_eye in frame.layers:
-                sizes.update({name: sum(map(part_bytes, parts)) for name, parts in of_eye.items()})
-            request.layer_bytes = +sizes
             found.append(request)
             if request.is_key:  # until it turns out that it is damaged
                 self._decoder.wants_anew = False
@@ -375,10 +362,11 @@ class Remote:
 
     def summary(self) -> dict[str, Any]:
         """Return what summary.json has of the connection."""
+        since_ns = 0 if self._lost_ns is None else time.monotonic_ns() - self._lost_ns
         return {
             "address": self._caller.address,
             "lost": self._losses,
-            "away_s": (self._away_ns + (time.monotonic_ns() - self._lost_ns if self._lost_ns is not None else 0)) / 1e9,
+            "away_s": (self._away_ns + since_ns) / 1e9,
             "clock": self._caller.clock.summary(),
             "unanswered": self.unanswered,
             "undecodable": self.undecodable,
@@ -656,10 +644,16 @@ class _RemoteChannel(Channel):
     def newest(self, now_ns: int) -> Frame | None:
         """Return the newest frame that has arrived by now, or None before the first."""
         for request in self._remote.arrived(now_ns):
+            came = request.message
+            assert came is not None
+            pictures = {"colour": came.colours, "inverse_depth": came.inverse_depths}
+            sizes = Counter({name: sum(map(message.length_of, both)) for name, both in pictures.items()})
+            for of_eye in came.layers:
+                sizes.update({name: sum(map(part_bytes, parts)) for name, parts in of_eye.items()})
             self._frames, self._eyes = self._frames + 1, len(request.ask.views)
-            self._bytes.update(request.layer_bytes)
+            self._bytes.update(+sizes)
             self._measured_ns, self._sent_ns = request.took_ns, request.drawn_ns
-            self.link.send(request, request.drawn_ns, request.layer_bytes.total(), request.is_key)
+            self.link.send(request, request.drawn_ns, sizes.total(), request.is_key)
         self._shown = self.link.newest(now_ns)
         return self._shown.frame if self._shown is not None else None
 

@@ -108,16 +108,7 @@ def test_a_shown_picture_beyond_the_room_for_keys_is_refused(gpu):
 # --- the order from the epipole -------------------------------------------------------------------
 
 
-SHEETS = ["forward_ordered:sheets=rings", "forward_ordered:sheets=rows"]
-
-
-def both(gpu, step: np.ndarray, depth: np.ndarray, spec: str) -> tuple[np.ndarray, np.ndarray]:
-    """Winners by the order and by the depth test."""
-    size = depth.shape[::-1]
-    return tuple(Scatter(gpu, size, size, shown_pose=Pose(step), spec=each).run(depth) for each in (spec, "forward"))
-
-
-@pytest.mark.parametrize("spec", SHEETS)
+@pytest.mark.parametrize("spec", ["forward_ordered:sheets=rings", "forward_ordered:sheets=rows"])
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("where", ["inside", "centre", "behind", "infinite", "none", "outside", "corner"])
 def test_wherever_the_epipole_lies_the_painted_twin_agrees(gpu, spec, seed, where):
