@@ -41,8 +41,7 @@ SETTLING = 2  # refreshes to ignore after a switch, which disturbs their times
 class Change:
     """A switch from one level to another."""
 
-    # The refresh after which it was decided, counted from 0.
-    refresh: int
+    refresh: int  # the refresh after which it was decided, counted from 0
     before: QualityLevel
     after: QualityLevel
     reason: str  # the reason, in words with figures
@@ -53,8 +52,7 @@ class _Stay:
     """Evidence since the last switch."""
 
     room: list[int]  # for how many refreshes each level has had headroom
-    # First refresh at the level.
-    arrived: int = 0
+    arrived: int = 0  # first refresh at the level
     climbed: bool = False
     window: deque[float] = attrs.field(factory=lambda: deque(maxlen=WINDOW))
     evidence: float = 0.0

@@ -58,9 +58,8 @@ class Request:
 
     ask: Ask
     head: PoseSample
-    # On the loop's clock, and on this machine's.
-    drawn_ns: int
-    sent_ns: int
+    drawn_ns: int  # on the loop's clock
+    sent_ns: int  # on this machine's
     # (w, h) of one eye's picture as it comes: smaller than asked for where it is foveated.
     size: tuple[int, int]
     acted: range  # which inputs it told the server

@@ -43,14 +43,10 @@ class PoseRequest:
     source: PoseSource
     # Predicts the head at an instant for so long after it; None for no prediction.
     predicted: Callable[[int, int], PoseSample] | None
-    # (w, h) of one eye.
-    size: tuple[int, int]
-    # What is rendered beyond the shown view.
-    guard: Guard
-    # Layers that frames carry.
-    needs: Needs
-    # Time from the first row of the display to its last.
-    scanout_ns: int = 0
+    size: tuple[int, int]  # (w, h) of one eye
+    guard: Guard  # what is rendered beyond the shown view
+    needs: Needs  # layers that frames carry
+    scanout_ns: int = 0  # time from the first row of the display to its last
     # From drawing a frame to showing it, as far as that is known beforehand; set anew where the
     # latency changes during a run.
     age_ns: int = 0
@@ -74,15 +70,11 @@ class PoseRequest:
 class Target:
     """Where the pictures of a run go."""
 
-    # Belongs to the caller.
-    gpu: Gpu
+    gpu: Gpu  # belongs to the caller
     eyes: Eyes
-    # Refresh rate of the display.
-    rate_hz: float
-    # Delay of the link alone, without the wait for the next refresh.
-    link_latency_ns: int
-    # Headset whose lens the plans correct, or None.
-    lens_of: Headset | None = None
+    rate_hz: float  # refresh rate of the display
+    link_latency_ns: int  # delay of the link alone, without the wait for the next refresh
+    lens_of: Headset | None = None  # headset whose lens the plans correct, or None
 
 
 class FrameSource(ABC):
