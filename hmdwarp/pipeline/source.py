@@ -118,7 +118,7 @@ class ServerFrames(FrameSource):
         asked, timer = self.requested, self.server.gpu.timer
         is_seen = now_ns < self.unseen_from_ns
         with timer.stage("render"):
-            views = looking(self.eyes.views(head.pose), head.gaze)
+            views = self.eyes.views(head.pose) if head.gaze is None else looking(self.eyes.views(head.pose), head.gaze)
             pictures, size = bool(asked.pictures) if is_seen else None, asked.size
             frame = self.server.draw_frame(views, now_ns, size, asked.guard, asked.needs, size, asked.age_ns, pictures)
         if not is_seen:  # weighs what it would
