@@ -1,17 +1,11 @@
 """Registries: names to things, one file per entry, found by its name and imported on first use.
 
-Every entry registers itself the same way, as a class or as an object with a `name`:
+Every entry registers itself by `@warps.register`, as a class or as an object with a `name`. Where a
+module declares several small entries, its registry names it for each (`modules`). An entry that is
+data alone is a table, NAME.toml, in the registries that say what to make of one.
 
-    @warps.register
-    class Forward(Warp):
-        name = "forward"
-
-Where a module declares several small entries, its registry names it for each (`modules`). An entry
-that is data alone is a table, NAME.toml, in the registries that say what to make of one.
-
-Other packages add entries through entry points of the group `hmdwarp.<registry>`, for instance
-`[project.entry-points."hmdwarp.warps"]  mine = "my_package.mine"`; packages of hmdwarp itself that
-nothing imports through an entry_points.toml of their own.
+Other packages add entries through entry points of the group `hmdwarp.<registry>`, such as
+`hmdwarp.warps`; packages of hmdwarp itself that nothing imports through their entry_points.toml.
 """
 
 from __future__ import annotations
@@ -71,7 +65,7 @@ class Registry(Generic[T]):
     group: str = ""  # of the entry points, by default the last part of the package's name
     _of_table: Callable[[str, dict[str, Any]], T] | None = None  # makes an entry of its name and its table
     _holds_objects: bool = attrs.field(default=False, kw_only=True)  # a class that registers is made
-    _columns: str = attrs.field(default="", kw_only=True)  # of describe()
+    columns: str = attrs.field(default="", kw_only=True)  # of describe()
     _modules: Mapping[str, str] = attrs.field(factory=dict, kw_only=True)  # by entry, what declares it with others
     _entries: dict[str, T] = attrs.field(factory=dict, init=False)
 
@@ -97,12 +91,21 @@ class Registry(Generic[T]):
         another package that cannot be loaded or registers something else.
         """
         if name not in self._entries:
-            if self._of_table is not None and name in self._tables:
-                self._entries[name] = self._of_table(name, tomllib.loads(self._tables[name].read_text("utf-8")))
+            table = self._shipped.get(name)
+            if table is not None and self._of_table is not None:
+                self._entries[name] = self._of_table(name, tomllib.loads(table.read_text("utf-8")))
             elif name in self._shipped:
                 importlib.import_module(f"{self.package}.{self._modules.get(name, name)}")
             elif name in (foreign := _entry_points(self.group)):
-                self._load(foreign[name])
+                point = foreign[name]
+                try:
+                    point.load()
+                except Exception as error:  # another package's code may raise anything
+                    origin = f"package '{point.dist.name}'" if point.dist is not None else f"'{point.value}'"
+                    raise InputError(
+                        f"{self.kind} '{name}' of {origin} cannot be loaded ({type(error).__name__}: {error}): "
+                        "update or uninstall that package"
+                    ) from error
             else:
                 raise unknown_name(self.kind, name, self.names())
             if name not in self._entries:
@@ -112,36 +115,17 @@ class Registry(Generic[T]):
     def __iter__(self) -> Iterator[T]:
         return (self.get(name) for name in self.names())
 
-    def describe(self, more: Callable[[T], Row] = lambda entry: {}) -> list[Row]:
-        """Return a row of texts for each entry, see the function describe."""
-        return describe(self, self._columns, more)
-
     def __contains__(self, name: object) -> bool:
         return name in self.names()
 
     @functools.cached_property
-    def _folders(self) -> list[str]:
-        return [*importlib.import_module(self.package).__path__] if self.package else []
-
-    @functools.cached_property
-    def _tables(self) -> dict[str, Path]:
-        folders = self._folders if self._of_table is not None else ()
-        return {path.stem: path for folder in folders for path in Path(folder).glob("*.toml")}
-
-    @functools.cached_property
-    def _shipped(self) -> set[str]:
-        files = {m.name for m in pkgutil.iter_modules(self._folders) if not m.name.startswith("_")}
-        return (files - {*self._modules.values()}) | {*self._modules, *self._tables}
-
-    def _load(self, point: importlib.metadata.EntryPoint) -> None:
-        try:
-            point.load()
-        except Exception as error:  # another package's code may raise anything
-            origin = f"package '{point.dist.name}'" if point.dist is not None else f"'{point.value}'"
-            raise InputError(
-                f"{self.kind} '{point.name}' of {origin} cannot be loaded ({type(error).__name__}: {error}): "
-                "update or uninstall that package"
-            ) from error
+    def _shipped(self) -> dict[str, Path | None]:
+        """By name the file of a table, None for a module."""
+        folders = [*importlib.import_module(self.package).__path__] if self.package else []
+        files = {m.name for m in pkgutil.iter_modules(folders) if not m.name.startswith("_")}
+        tables = [path for folder in folders for path in Path(folder).glob("*.toml")] if self._of_table else []
+        entries = (files - {*self._modules.values()}) | {*self._modules}
+        return dict.fromkeys(entries) | {path.stem: path for path in tables}
 
 
 @functools.cache

@@ -314,7 +314,7 @@ def _traces(add: Add) -> None:
     there = track.evolve(epoch_ns=BEGINS_NS)
     for name in (form.name for form in formats if form.writes):
         saves = partial(lambda name, folder: save(there, folder / f"trace.{name}", name), name)
-        add(f"trace {name}", saves, reads(), "mcap" if name == "mcap" else None)
+        add(f"trace {name}", saves, reads())
     table = rows(track, "wxyz")
     texts = {
         "multi": ["timestamp viewpoint w x y z", *(" ".join([r[0], "0", *r[4:]]) for r in table)],
@@ -382,15 +382,7 @@ def _scenes(add: Add) -> None:
         picture = np.full((8, 8, 4), 200, np.uint8)
         return made.material(alphaMode="BLEND", pbrMetallicRoughness={"baseColorTexture": made.texture(picture)})
 
-    def draco(folder: Path) -> None:
-        from scenes.glb import SQUARE
-        from scenes.test_gltf_rules import packed
-
-        data = packed(SQUARE, np.array([(0, 1, 2), (0, 2, 3)])).data()
-        (folder / "scene.glb").write_bytes(data)
-
     add("scene glb", lambda folder: (folder / "scene.glb").write_bytes(glb().data()), partial(read, "glb"))
-    add("scene draco", draco, partial(read, "glb"), "DracoPy")
     for name, inside in (("whole", True), ("with files", False)):
         writes = partial(lambda inside, folder: glb().write_gltf(folder / "scene.gltf", inside=inside), inside)
         add(f"scene gltf {name}", writes, partial(read, "gltf"))

@@ -88,7 +88,7 @@ def test_every_reader_of_a_registry_has_a_target(tmp_path, monkeypatch):
             (tmp_path / str(number)).mkdir()
             target.write(tmp_path / str(number))
             target.read(tmp_path / str(number), None)
-    packaged = {"mcap": "mcap", "rosbag": "rosbags"}
+    packaged = {"rosbag": "rosbags"}
     here = {name for name in formats.names() if name not in packaged or importlib.util.find_spec(packaged[name])}
     assert here <= seen
     assert {form.reader for form in FORMS.values()} >= set(readers.names())

@@ -12,7 +12,7 @@ import pytest
 
 TAKEN = ("fcntl", "termios", "resource", "pty", "tty", "pwd", "grp", "syslog", "readline")
 # What the extras bring beside Python's own; tests alone need scikit-image.
-EXTRAS = ("av", "xr", "trimesh", "skimage", "cv2", "pyarrow", "statsmodels", "zmq", "mcap", "meshoptimizer")
+EXTRAS = ("av", "xr", "trimesh", "skimage", "cv2", "pyarrow", "statsmodels", "zmq", "rosbags", "meshoptimizer")
 _FUNCTIONS = ("O_PATH", "O_NOFOLLOW", "posix_fallocate", "sysconf", "nice")
 _AWAY = """
 import os, sys

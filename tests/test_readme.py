@@ -56,7 +56,7 @@ LEFT = {
     "frames.md": ("out/recorded/report.html", "out/recorded/summary.json", "out/recorded-bench/bench.json"),
     "rgbd.md": ("frame.npz", "warped.png"),
     "your-own-scene.md": ("shop.ply", "out/shop/report.html"),
-    "thesis.md": ("out/thesis-again/thesis.html", "out/thesis-again/results.csv"),
+    "thesis.md": ("out/thesis-again/thesis.html", "out/thesis-again/results.json"),
     "study.md": ("tables/ratings.csv", "analysis/report.html"),
     "study-analysis.md": ("out/thesis/report.html",),
 }

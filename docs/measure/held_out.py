@@ -86,7 +86,7 @@ def degrees_of(parameter: Parameter, value: float, half: Mapping[str, Sequence[s
     """Return the default predictor's 95th percentile of errors, averaged over a half's heads."""
     with parameter.set_to(value):
         tracks = [load_trace(name).track for name in half["heads"]]
-        found = [analyse(track, (LATE_MS,)).errors[0].errors["cautious"].percentiles[1] for track in tracks]
+        found = [analyse(track, (LATE_MS,))["errors_deg"][0]["cautious"]["p95"] for track in tracks]
         return float(np.mean(found))
 
 

@@ -35,7 +35,7 @@ class Kind:
         if isinstance(self.entries, str):
             module, _, name = self.entries.partition(":")
             registry: Registry[Any] = getattr(_of(module), name)
-            return registry.describe(self.more)
+            return describe(registry, registry.columns, self.more)
         return describe(self.entries(), more=self.more)
 
 
@@ -250,8 +250,7 @@ KINDS = {
         "Devices that warp, with what each can do.", _each("client.classes", "client_names", "load_client"), _client
     ),
     "axes": Kind(
-        "Axes of head traces, by the software that writes them.",
-        _each("poses.reading.axes", "preset_names", "load_preset"),
+        "Axes of head traces, by the software that writes them.", "poses.reading.axes:presets",
         lambda preset: {"axes": preset.axes.words(), "source": preset.source},
     ),
     "formats": Kind(

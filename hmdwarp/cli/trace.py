@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import attrs
 import typer
@@ -26,7 +26,7 @@ _TRACE = Option(
     required=True, name="trace", metavar="TRACE", positional=True, names_files=True,
 )  # fmt: skip
 _OUT = Option("The file to write.", Path, required=True, name="out", metavar="OUT", positional=True)
-_TO = Option("Format to write: native, tum, euroc or mcap.", default="native", name="to")
+_TO = Option("Format to write: native, tum or euroc.", default="native", name="to")
 
 
 @app.command()
@@ -58,8 +58,7 @@ def info(said: Said) -> None:
 def convert(said: Said) -> None:
     """Write a clean trace.
 
-    One segment, unit quaternions without sign flips, rising time, metres; OpenXR axes, in MCAP
-    those of ROS.
+    One segment, unit quaternions without sign flips, rising time, metres; OpenXR axes.
     """
     from ..poses.formats import formats
 
@@ -73,11 +72,9 @@ def convert(said: Said) -> None:
     loaded = poses.load_trace(said["trace"], TraceOptions.of(said))
     if not (out.exists() and out.samefile(loaded.path)):  # refused by write_stream, forced or not
         report.refuse_existing(out, force=said["force"])
-    report.write_stream(
-        out, lambda stream: target.write(loaded.track, stream), source=loaded.path, binary=target.binary
-    )
+    report.write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
     _tell_defects(loaded, err=True)
-    typer.echo(f"axes read: {loaded.axes}; written: {target.axes_written}", err=True)
+    typer.echo(f"axes read: {loaded.axes}; written: openxr", err=True)
     typer.echo(f"{_written(out, loaded.track)}, format {to}", err=True)
 
 
@@ -120,16 +117,17 @@ def synth(said: Said) -> None:
     typer.echo(f"{_written(options.out, track)}, {track.origin}", err=True)
 
 
-def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> dict[str, str]:
+def _facts(loaded: poses.LoadedTrace, figures: dict[str, Any]) -> dict[str, str]:
     gaps = "none"
-    if figures.gaps:
-        longest = max(figures.gaps, key=lambda gap: gap["length_s"])
+    if figures["gaps"]:
+        longest = max(figures["gaps"], key=lambda gap: gap["length_s"])
         gaps = (
-            f"{len(figures.gaps)} longer than {loaded.track.max_gap_ns / 1e6:g} ms, the longest "
+            f"{len(figures['gaps'])} longer than {loaded.track.max_gap_ns / 1e6:g} ms, the longest "
             f"{longest['length_s']:.3f} s from {longest['start_s']:.3f} s"
         )
     taken = ", ".join(str(segment.number) for segment in loaded.segments if segment.taken)
     several = f"{len(loaded.segments)} in the file, of which {taken} is read; --json has all"
+    mean_hz = f"{figures['mean_rate_hz']:.2f} Hz on average"
     return {
         "trace": str(loaded.path),
         **({"recordings": several} if len(loaded.segments) > 1 else {}),
@@ -137,38 +135,39 @@ def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> dict[str, str]
         "origin": loaded.track.origin or "not stated in the file",
         "axes": loaded.axes,
         "columns": loaded.columns,
-        "samples": f"{figures.samples}, {100 * figures.repeated_share:.3g} % of them repeated poses",
-        "duration": f"{figures.duration_s:.3f} s",
-        "rate": f"{figures.rate_hz:.2f} Hz (one over the median step), {figures.mean_rate_hz:.2f} Hz on average",
+        "samples": f"{figures['samples']}, {100 * figures['repeated_share']:.3g} % of them repeated poses",
+        "duration": f"{figures['duration_s']:.3f} s",
+        "rate": f"{figures['rate_hz']:.2f} Hz (one over the median step), {mean_hz}",
         "clock": f"{loaded.time_unit}, starting at {loaded.track.epoch_ns / 1e9:.9g} s" if loaded.time_unit else "",
         "gaps": gaps,
-        "jumps": str(figures.jumps or "none"),
-        "gaze": "none" if figures.gaze_known is None else f"known in {figures.gaze_known:.1%} of the samples",
+        "jumps": str(figures["jumps"] or "none"),
+        "gaze": f"known in {figures['gaze']['known']:.1%} of the samples" if figures["gaze"] else "none",
     }
 
 
-def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Table]:
+def _tables(loaded: poses.LoadedTrace, figures: dict[str, Any]) -> Iterator[Table]:
     """Yield the tables of speeds, of what latency costs, and of what was assumed."""
-    heads = ("", *(f"p{p:g}" for p in poses.SPEED_PERCENTILES))
-    short = "trace too short"
-    turning = ("turning, deg/s", *(f"{v:.1f}" if math.isfinite(v) else short for v in figures.angular_speed_deg_s))
-    moving = ("moving, m/s", *(f"{v:.3f}" if math.isfinite(v) else short for v in figures.linear_speed_m_s))
-    yield report.terminal_table(heads, [turning, moving], title="Speed (200 Hz, central differences)")
-    title = "What latency costs: angle between the head and its --predict, degrees, p50 / p95 / p99 (mean)"
-    heads = ("latency", *figures.errors[0].errors)
+    short, turning, moving = "trace too short", figures["angular_speed_deg_s"], figures["linear_speed_m_s"]
     lines = [
-        (f"{row.latency_ms} ms", *(_angles(error) if row.count else short for error in row.errors.values()))
-        for row in figures.errors
+        ("turning, deg/s", *(f"{v:.1f}" if math.isfinite(v) else short for v in turning.values())),
+        ("moving, m/s", *(f"{v:.3f}" if math.isfinite(v) else short for v in moving.values())),
     ]
-    yield report.terminal_table(heads, lines, title=title)
+    yield report.terminal_table(("", *turning), lines, title="Speed (200 Hz, central differences)")
+    title = "What latency costs: angle between the head and its --predict, degrees, p50 / p95 / p99 (mean)"
+    names = [name for name in figures["errors_deg"][0] if name not in ("latency_ms", "count")]
+    lines = [
+        (f"{row['latency_ms']} ms", *(_angles(row[name]) if row["count"] else short for name in names))
+        for row in figures["errors_deg"]
+    ]
+    yield report.terminal_table(("latency", *names), lines, title=title)
     assumed = [(assumption.what, assumption.value, assumption.source) for assumption in loaded.assumptions]
     heads = ("fact", "taken as", "who says so")
     yield report.terminal_table(heads, assumed, words=3, title="What was assumed of the file")
 
 
-def _angles(errors: poses.PredictionErrors) -> str:
-    texts = (f"{degrees:.2f}" if degrees < 10 else f"{degrees:.1f}" for degrees in errors.percentiles)
-    return f"{' / '.join(texts)} ({errors.mean:.2f})"
+def _angles(errors: dict[str, float]) -> str:
+    texts = (f"{angle:.2f}" if angle < 10 else f"{angle:.1f}" for key, angle in errors.items() if key != "mean")
+    return f"{' / '.join(texts)} ({errors['mean']:.2f})"
 
 
 def _tell_defects(loaded: poses.LoadedTrace, *, err: bool = False) -> None:

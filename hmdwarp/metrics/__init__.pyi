@@ -5,10 +5,10 @@ from .jod import Clips as Clips
 from .jod import ShownOn as ShownOn
 from .jod import preferring as preferring
 from .jod import ratings_of as ratings_of
-from .library.alike import flip as flip
-from .library.alike import psnr as psnr
-from .library.alike import ssim as ssim
-from .library.holes import hole_share as hole_share
+from .library.figures import flip as flip
+from .library.figures import hole_share as hole_share
+from .library.figures import psnr as psnr
+from .library.figures import ssim as ssim
 from .metric import LEAST_STEP as LEAST_STEP
 from .metric import PRIMARY as PRIMARY
 from .metric import REGIONS as REGIONS
@@ -37,7 +37,6 @@ from .picture_pairs import blocks_apart as blocks_apart
 from .picture_pairs import blocks_text as blocks_text
 from .picture_pairs import db_of as db_of
 from .picture_pairs import error_image as error_image
-from .picture_pairs import pixel_centres as pixel_centres
 from .pool import Kept as Kept
 from .pool import MeasuringThreads as MeasuringThreads
 from .pool import QualityPool as QualityPool

@@ -6,12 +6,11 @@ display distortions, ACM TOG 43(4); the package cvvdp. Scale: Perez-Ortiz and Ma
 practical guide and software for analysing pairwise comparison experiments, arXiv:1712.03686.
 
 It brings PyTorch, whose LLVM and that of Mesa's llvmpipe end a process that loads both: clips are
-rated in a process of their own, which never opens OpenGL.
+rated in processes of their own, which never open OpenGL.
 """
 
 from __future__ import annotations
 
-import functools
 import importlib.util
 import os
 import pickle
@@ -19,14 +18,12 @@ import signal
 import statistics
 import subprocess
 import sys
-import weakref
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import MachineError
 from ..resources import import_extra, missing_extra
@@ -58,18 +55,6 @@ def ratings_of(row: Mapping[str, Any]) -> dict[str, float]:
     return {JOD.name: rated["mean"], TRUTH_PREFERRED.name: rated["truth_preferred"]}
 
 
-def clip_length(seconds: float, rate_hz: float) -> int:
-    """Return how many refreshes a clip of `seconds` has, at least two."""
-    return max(2, round(seconds * rate_hz))
-
-
-def check_rating() -> None:
-    """Check that clips can be rated, before a long run; loads nothing. Errors: as Clips."""
-    for module, package in MODULES.items():
-        if importlib.util.find_spec(module) is None:
-            raise MachineError(missing_extra(package, EXTRA))
-
-
 @attrs.frozen
 class ShownOn:
     """The display on which people would see the pictures: luminances in cd/m^2."""
@@ -80,68 +65,39 @@ class ShownOn:
     black_cd_m2: float = BLACK_CD_M2
 
 
-def _rated(display: ShownOn, shown: NDArray[np.uint8], truth: NDArray[np.uint8]) -> float:
-    """Return the JOD of a clip."""
-    torch = import_extra("torch", "torch", EXTRA)
-    torch.set_num_threads(1)
-    with torch.inference_mode():
-        metric = _metric(display, shown.shape[2], shown.shape[1])
-        return float(metric.predict(shown, truth, dim_order="FHWC", frames_per_second=display.rate_hz)[0])
-
-
-@functools.cache
-def _metric(on: ShownOn, width: int, height: int) -> Any:
-    module = import_extra("pycvvdp", "cvvdp", EXTRA)
-    light = module.vvdp_display_photo_eotf(
-        on.peak_cd_m2, contrast=on.peak_cd_m2 / on.black_cd_m2, source_colorspace="sRGB", E_ambient=0
-    )
-    place = module.vvdp_display_geometry((width, height), ppd=on.pixels_per_degree)
-    cpu = import_extra("torch", "torch", EXTRA).device("cpu")
-    return module.cvvdp(display_photometry=light, display_geometry=place, quiet=True, device=cpu)
-
-
-def serve() -> None:
-    """Rate clips from standard input until it ends; answer with figures, or why there are none."""
-    with os.fdopen(os.dup(1), "wb") as answers:
+def rate() -> None:
+    """Write the JOD of the clip that standard input holds: (display, shown, truth)."""
+    on, shown, truth = pickle.load(sys.stdin.buffer)
+    with os.fdopen(os.dup(1), "w") as answer:
         os.dup2(2, 1)  # what libraries print
-        while True:
-            try:
-                clip = pickle.load(sys.stdin.buffer)
-            except EOFError:
-                return
-            try:
-                answer: Any = _rated(*clip)
-            except Exception as error:  # whatever torch and its friends raise
-                answer = str(error) or type(error).__name__
-            pickle.dump(answer, answers)
-            answers.flush()
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    process.kill()
-    process.communicate()
+        module, torch = import_extra("pycvvdp", "cvvdp", EXTRA), import_extra("torch", "torch", EXTRA)
+        torch.set_num_threads(1)  # so that a run repeats bit for bit
+        light = module.vvdp_display_photo_eotf(
+            on.peak_cd_m2, contrast=on.peak_cd_m2 / on.black_cd_m2, source_colorspace="sRGB", E_ambient=0
+        )
+        place = module.vvdp_display_geometry((shown.shape[2], shown.shape[1]), ppd=on.pixels_per_degree)
+        with torch.inference_mode():
+            metric = module.cvvdp(
+                display_photometry=light, display_geometry=place, quiet=True, device=torch.device("cpu")
+            )
+            found = metric.predict(shown, truth, dim_order="FHWC", frames_per_second=on.rate_hz)[0]
+        answer.write(repr(float(found)))
 
 
 class Clips:
-    """Rate runs of neighbouring refreshes as clips of `seconds`, one after the other.
+    """Rate runs of neighbouring refreshes as clips of `seconds`, each in a process of its own.
 
-    One thread of a process of its own rates them, so that a run repeats bit for bit. Where that
-    fails, `failure` says why and nothing is rated any more. Errors: MachineError without the
-    package.
+    Where that fails, `failure` says why and nothing is rated any more. Errors: MachineError without
+    the package.
     """
 
     def __init__(self, seconds: float, display: ShownOn) -> None:
-        check_rating()
+        for module, package in MODULES.items():  # loads nothing
+            if importlib.util.find_spec(module) is None:
+                raise MachineError(missing_extra(package, EXTRA))
         self.display = display
-        self.length = clip_length(seconds, display.rate_hz)  # pictures of a whole clip
+        self.length = max(2, round(seconds * display.rate_hz))  # pictures of a whole clip
         self.failure = ""  # in one line; empty while all went well
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", "-c", f"import {__name__} as rating; rating.serve()"],
-            env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            start_new_session=True,  # Ctrl-C is not for it
-        )  # fmt: skip
-        weakref.finalize(self, _end, self._process)
         # By (eye, which warp): the pictures of the present clip.
         self._open: dict[tuple[int, int], list[tuple[int, Compared]]] = defaultdict(list)
         # By which warp: (first refresh, pictures, JOD) of each clip of each eye.
@@ -167,40 +123,34 @@ class Clips:
         if self.failure:
             return
         shown, truth = (np.stack([getattr(one, name) for _, one in clip]) for name in ("shown", "truth"))
-        asks, answers = self._process.stdin, self._process.stdout
-        try:
-            pickle.dump((self.display, shown, truth), asks)  # type: ignore[arg-type]
-            asks.flush()  # type: ignore[union-attr]
-            answer = pickle.load(answers)  # type: ignore[arg-type]
-        except (OSError, EOFError, pickle.UnpicklingError):
-            status = self._process.wait()
-            why = signal.strsignal(-status) if status < 0 else f"exit status {status}"
-            answer = f"the process that rates ended ({why})"
-        if isinstance(answer, str):
-            self.failure = f"JOD could not be measured: {answer}; the run goes on without it"
+        done = subprocess.run(
+            [sys.executable, "-P", "-c", f"import {__name__} as rating; rating.rate()"],
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+            input=pickle.dumps((self.display, shown, truth)), capture_output=True, check=False,
+            start_new_session=True,  # Ctrl-C is not for it
+        )  # fmt: skip
+        if done.returncode == 0:
+            self._clips[which].append((clip[0][0], len(clip), float(done.stdout)))
             return
-        self._clips[which].append((clip[0][0], len(clip), answer))
+        why = (done.stderr.decode(errors="replace").strip() or f"exit status {done.returncode}").splitlines()[-1]
+        if done.returncode < 0:
+            why = f"the process that rates ended ({signal.strsignal(-done.returncode)})"
+        self.failure = f"JOD could not be measured: {why}; the run goes on without it"
 
-    def entry(self, which: int, others: Sequence[int] = ()) -> dict[str, Any]:
+    def entry(self, which: int) -> dict[str, Any]:
         """Return the `jod` of summary.json: of the run and its clips.
 
-        mean: over clips and eyes, by their lengths. truth_preferred, preferred: the share of people
-        who would prefer the truth, or this one to each of `others`.
+        mean: over clips and eyes, by their lengths. truth_preferred: the share of people who would
+        prefer the truth.
         """
-        mean = self._mean(which)
+        clips = self._clips[which]
+        mean = sum(count * jod for _, count, jod in clips) / sum(count for _, count, _ in clips)
         by_start: dict[int, list[float]] = defaultdict(list)
-        for first, _, jod in self._clips[which]:
+        for first, _, jod in clips:
             by_start[first].append(jod)
-        entry: dict[str, Any] = {
+        return {
             "mean": mean,
             "clips": [{"frame": first, "jod": statistics.fmean(jods)} for first, jods in sorted(by_start.items())],
             "truth_preferred": preferring(TRUTH_JOD, mean),
             "display": attrs.asdict(self.display),
         }
-        if others:
-            entry["preferred"] = [preferring(mean, self._mean(other)) for other in others]
-        return entry
-
-    def _mean(self, which: int) -> float:
-        clips = self._clips[which]
-        return sum(count * jod for _, count, jod in clips) / sum(count for _, count, _ in clips)

@@ -16,7 +16,7 @@ from ..errors import HmdwarpError, InputError
 from ..geometry import View, WarpMap
 from ..gpu import flip_rows
 from ..registry import Registry
-from .picture_pairs import Alike, Compared, check_pair, db_of, row_blocks
+from .picture_pairs import Alike, Compared, db_of
 
 
 class Input(enum.Flag):
@@ -69,11 +69,6 @@ class QualityJob:
             )
 
     @property
-    def flicker(self) -> float | None:
-        """Flicker that a PairPass has found; None: it has not."""
-        return None if self.alike is None else self.alike.flicker
-
-    @property
     def inputs(self) -> Input:
         """The inputs of metrics that the job has."""
         there = {
@@ -81,7 +76,7 @@ class QualityJob:
             Input.COVERAGE: self.covered,
             Input.DEPTH: self.truth_inverse_depth,
             Input.RENDERED: None if self.rendered is None else self.rendered_size,
-            Input.PREVIOUS: self.flicker,
+            Input.PREVIOUS: None if self.alike is None else self.alike.flicker,
             Input.ALIKE: self.alike,
         }
         return Input(sum(flag.value for flag, value in there.items() if value is not None))
@@ -187,12 +182,9 @@ class Metric:
         return f"% of {self.percent_of}" if self.percent_of else self.unit
 
 
-_FAMILIES = {
-    **dict.fromkeys(("ssim", "flip", "psnr_db"), "alike"),
-    **dict.fromkeys(("hole_share", "border_share"), "holes"),
-}
+_OWN = dict.fromkeys(("psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker"), "figures")
 metrics: Registry[Metric] = Registry(
-    "metric", "hmdwarp.metrics.library", "metrics", columns="summary=description", modules=_FAMILIES
+    "metric", "hmdwarp.metrics.library", "metrics", columns="summary=description", modules=_OWN
 )
 PRIMARY = "flip"  # decides which pictures are the worst and, by default, which method is the best
 
@@ -261,27 +253,14 @@ def border_holes(
 
     coverage, truth_inverse_depth: (h, w), top row first; 0 of the former is a hole; the latter in
     1/m in the shown view, 0 (or NaN) = infinitely far. rendered_size: (w, h) of the late frame.
-    Errors: InputError if their sizes differ.
     """
-    if coverage.shape != truth_inverse_depth.shape or coverage.ndim != 2:
-        shapes = f"{coverage.shape} and {truth_inverse_depth.shape}"
-        raise InputError(
-            f"coverage and the truth's inverse depth have shapes {shapes}: expected two of the same (h, w)"
-        )
     holes, inverse_depth = flip_rows(np.asarray(coverage) == 0), flip_rows(np.asarray(truth_inverse_depth))
-    height, width = holes.shape
-    mapping = WarpMap.between(shown, (width, height), rendered, rendered_size)
+    mapping = WarpMap.between(shown, holes.shape[::-1], rendered, rendered_size)
+    places = np.stack(holes.nonzero()[::-1], axis=1) + 0.5
+    pixel, _, w = mapping.apply(places, np.nan_to_num(inverse_depth[holes].astype(np.float64), nan=0.0))
     beyond = np.zeros(holes.shape, bool)
-    for rows in row_blocks(height):
-        here = holes[rows]
-        if not here.any():
-            continue
-        depth = np.nan_to_num(inverse_depth[rows][here].astype(np.float64), nan=0.0)
-        y, x = here.nonzero()
-        pixel, _, w = mapping.apply(np.stack([x, y + rows.start], axis=1) + 0.5, depth)
-        beyond[rows][here] = ~((w > 0) & (pixel >= 0).all(axis=-1) & (pixel <= rendered_size).all(axis=-1))
-    found: NDArray[np.bool_] = flip_rows(beyond)
-    return found
+    beyond[holes] = ~((w > 0) & (pixel >= 0).all(axis=-1) & (pixel <= rendered_size).all(axis=-1))
+    return np.asarray(flip_rows(beyond))
 
 
 def region_of(
@@ -325,12 +304,7 @@ def region_sums(
     """Return (REGIONS, 3) sums of one picture: pixels, squared errors as integers, FLIP errors.
 
     shown, truth: (h, w, 3) uint8. region: (h, w), as of region_of. flip_map: (h, w), 0..1.
-    Errors: InputError for sizes that do not belong together.
     """
-    check_pair(shown, truth)
-    if shown.dtype != np.uint8 or not shown.shape[:2] == region.shape == flip_map.shape:
-        found = f"{shown.dtype} pictures {shown.shape}, regions {region.shape}, FLIP map {flip_map.shape}"
-        raise InputError(f"{found}: expected uint8 (h, w, 3) and two (h, w)")
     region = region.ravel()
     difference = shown.astype(np.int32) - truth
     squared = np.einsum("hwc,hwc->hw", difference, difference).ravel()

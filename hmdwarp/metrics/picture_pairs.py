@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import functools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import attrs
@@ -69,33 +69,10 @@ class Compared:
     def __attrs_post_init__(self) -> None:
         check_pair(self.shown, self.truth)
 
-    @property
-    def error(self) -> NDArray[np.float32]:
-        """The signed error image."""
-        return error_image(self.shown, self.truth)
-
 
 def db_of(mean_square: float) -> float:
     """Return a mean squared error, 0..1, in dB, at most 100 dB."""
     return min(PSNR_CAP_DB, -10 * math.log10(mean_square)) if mean_square else PSNR_CAP_DB
-
-
-# 32 rows keep float64 temporaries of a 2064x2208 eye under 10 MB, and every matrix product below
-# OpenBLAS's threading threshold: with threads its last bits could depend on the load of the
-# machine.
-_ROWS = 32
-
-
-def row_blocks(height: int) -> Iterator[slice]:
-    """Yield slices of rows that together are 0..height."""
-    return (slice(start, min(start + _ROWS, height)) for start in range(0, height, _ROWS))
-
-
-def pixel_centres(rows: slice, width: int) -> NDArray[np.float64]:
-    """Return the pixel coordinates x, y of the centres: (rows, width, 2), bottom row first."""
-    x = np.arange(width) + 0.5
-    y = np.arange(rows.start, rows.stop) + 0.5
-    return np.stack(np.broadcast_arrays(x[None, :], y[:, None]), axis=-1)
 
 
 _SSIM_SIGMA = 1.5

@@ -180,19 +180,15 @@ def pareto(rows: Iterable[Thing], costs: Callable[[Thing], Costs] = error_and_ti
     """Return the rows that no other row beats, in their order: the Pareto front of their two costs.
 
     A row beats another if it is at most as large in both costs and smaller in one; rows equal in
-    both stay together. A row with a cost of None was not measured and takes no part. O(n log n).
+    both stay together. A row with a cost of None was not measured and takes no part.
     Errors: HmdwarpError for a cost of NaN, which cannot be ordered.
     """
-    rows = list(rows)
-    found = [(time, error, at) for at, (error, time) in enumerate(map(costs, rows)) if None not in (error, time)]
-    if any(math.isnan(error + time) for time, error, _ in found):  # type: ignore[operator]
+    found = [(row, pair) for row in rows if None not in (pair := costs(row))]
+    known = np.array([pair for _, pair in found], np.float64).reshape(-1, 2)
+    if np.isnan(known).any():
         raise HmdwarpError(
             "a cost is not a number: expected an error and a time that were measured, or None for what was not"
         )
-    kept: set[int] = set()
-    least: Costs | None = None  # (error, time) of the last row kept; times only grow from here on
-    for time, error, at in sorted(found):
-        if least is None or error < least[0] or (error, time) == least:  # type: ignore[operator]
-            least = (error, time)
-            kept.add(at)
-    return [row for at, row in enumerate(rows) if at in kept]
+    others = known[None], known[:, None]
+    beaten = np.any(np.all(np.less_equal(*others), axis=2) & np.any(np.less(*others), axis=2), axis=1)
+    return [row for (row, _), is_beaten in zip(found, beaten.tolist(), strict=True) if not is_beaten]

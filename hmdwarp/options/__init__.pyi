@@ -15,7 +15,6 @@ from .declared import Option as Option
 from .declared import PaperOptions as PaperOptions
 from .declared import as_keys as as_keys
 from .declared import as_path as as_path
-from .declared import check_one_guard as check_one_guard
 from .declared import force_field as force_field
 from .declared import group as group
 from .declared import guard_band as guard_band
@@ -31,7 +30,6 @@ from .declared import parse_guard as parse_guard
 from .declared import parse_settings as parse_settings
 from .declared import parse_size as parse_size
 from .declared import path_of as path_of
-from .declared import rendered_size_field as rendered_size_field
 from .declared import same_as as same_as
 from .declared import several as several
 from .declared import split_names as split_names

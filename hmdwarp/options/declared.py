@@ -9,10 +9,9 @@ import os
 import re
 import typing
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from functools import partial
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar, get_type_hints
+from typing import Any, ClassVar, Generic, Self, TypeVar, get_type_hints
 
 import attrs
 
@@ -201,12 +200,8 @@ def option_of(field: attrs.Attribute[Any]) -> Option:
 
 def as_keys(text: str, known: Collection[str]) -> str:
     """Return a message that names options as keys of a file; known: those that it may set."""
-
-    def key(match: re.Match[str]) -> str:
-        name = match[1].replace("-", "_")
-        return name if name in known else match[0]
-
-    return re.sub(r"--([a-z][a-z-]*)", key, text)
+    flags = {name.replace("_", "-"): name for name in known}
+    return re.sub(r"--([a-z][a-z-]*)", lambda found: flags.get(found[1], found[0]), text)
 
 
 def same_as(field: attrs.Attribute[Any], default: Any = None, **about: Any) -> Any:
@@ -375,7 +370,6 @@ _HELP = (
     "Overscan: ask the server for this many times the pixels on each axis, and so of the field of view in tangents: "
     "1.5 makes 2.25 times the pixels; 1.25x1.125 has a factor for each axis."
 )
-_BOTH = "--guard and --rendered-size both say how much the server draws: leave one of them out"
 
 
 def parse_size(text: str, flag: str = "--size") -> Size:
@@ -391,23 +385,15 @@ def parse_guard(text: str) -> Guard | str:
     if text.strip() == AUTO:
         return AUTO
     try:
-        x, *y = map(float, re.split(b"[xX]", text.encode("ascii")))
+        x, *others = map(float, re.split(b"[xX]", text.encode("ascii")))
+        (y,) = others or [x]
     except ValueError as error:
-        raise InputError(f"--guard '{text}': expected {_FACTORS}, or {AUTO}; pixels are --rendered-size") from error
-    if len(y) > 1:
-        raise InputError(f"--guard '{text}': expected {_FACTORS}, or {AUTO}")
-    return (x, y[0]) if y and y[0] != x else x
-
-
-def _check_rendered(instance: Any, _: attrs.Attribute[Any], value: Size | None) -> None:
-    # The guard band of recorded frames is what the display leaves of their own pixels.
-    is_recorded = getattr(instance, "frames", None) is not None
-    if value is not None and instance.guard not in (1.0, DEFAULT_GUARD) and not is_recorded:
-        raise InputError(_BOTH)
+        raise InputError(f"--guard '{text}': expected {_FACTORS}, or {AUTO}") from error
+    return x if x == y else (x, y)
 
 
 def guard_field(default: Any, more: str = "", /, **about: Any) -> Any:
-    """Return the field of `--guard`. It stands before that of `--rendered-size`.
+    """Return the field of `--guard`.
 
     default: a factor, or an attrs.Factory, which `more` explains: added to the help that all share.
     """
@@ -422,29 +408,11 @@ def guard_field(default: Any, more: str = "", /, **about: Any) -> Any:
     return option(default, f"{_HELP}{more}{said}", valid=check, **about)
 
 
-def rendered_size_field(heading: str = "") -> Any:
-    """Return the field of `--rendered-size`. heading: as of Option."""
-    help = (
-        "Pixels of one eye that the server draws, in place of a guard: 1600x900 for a display of 1280x800 is guard "
-        "1.25x1.125, and 1.41 times the pixels."
-    )
-    parse = partial(parse_size, flag="--rendered-size")
-    return option(None, help, metavar="WxH", heading=heading, parse=parse, valid=_check_rendered)
-
-
-def check_one_guard(said: Mapping[str, Any]) -> None:
-    """Raise InputError if both options were set."""
-    if said.get("guard") is not None and said.get("rendered_size") is not None:
-        raise InputError(_BOTH)
-
-
-def guard_band(options: Any) -> geometry.GuardBand:
-    """Return the guard band of the options. Errors: InputError while it is "auto"."""
-    if isinstance(options.guard, str):
+def guard_band(guard: Guard | str) -> geometry.GuardBand:
+    """Return the guard band of the option. Errors: InputError while it is "auto"."""
+    if isinstance(guard, str):
         raise InputError("--guard auto looks at a whole trace first: give a number, or replay a recording")
-    if options.rendered_size is not None:
-        return geometry.GuardBand(size=options.rendered_size)
-    return geometry.GuardBand.of(options.guard)
+    return geometry.GuardBand.of(guard)
 
 
 PAPER_TABLES, PLOTS = {"latex": "tex", "markdown": "md"}, ("svg", "pdf")
@@ -482,14 +450,8 @@ class NoSettings:
     """No settings."""
 
 
-class _HasSettings(Protocol):
-    """An entry of a registry that can be set."""
-
-    name: ClassVar[str]
-    Settings: ClassVar[type]  # An attrs class; each field has a default.
-
-
-Entry = TypeVar("Entry", bound=_HasSettings)
+# A class of a registry with a `name` and `Settings`, an attrs class; each field has a default.
+Entry = TypeVar("Entry", bound=Any)
 
 
 @attrs.frozen
@@ -542,11 +504,11 @@ def parse_settings(kind: type, name: str, named: str, text: str) -> Any:
             continue
         try:
             values[key] = kind_of(value.encode("ascii") if kind_of in (int, float) else value)
+            if kind_of is float and not math.isfinite(values[key]):
+                raise ValueError
         except ValueError as error:
-            wanted = {int: "a whole number", float: "a number"}.get(kind_of, kind_of.__name__)
+            wanted = {int: "a whole number", float: "a finite number"}.get(kind_of, kind_of.__name__)
             raise InputError(f"{named}: {key} is '{value}': expected {wanted}") from error
-        if kind_of is float and not math.isfinite(values[key]):
-            raise InputError(f"{named}: {key} is '{value}': expected a finite number")
     try:
         return kind(**values)
     except (ValueError, TypeError) as error:

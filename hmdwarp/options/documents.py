@@ -105,7 +105,7 @@ def _table(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     table = dict(pairs)
     if len(table) < len(pairs):
         twice = next(key for key, count in Counter(key for key, _ in pairs).items() if count > 1)
-        raise DocumentError(f"the key {_shown(twice)} twice in one object: expected it once")
+        raise DocumentError(f"the key {_shortened(ascii(twice))} twice in one object: expected it once")
     return table
 
 
@@ -116,7 +116,9 @@ def _check(found: Any) -> None:
         inner: list[Any] = []
         for one in level:
             if isinstance(one, dict) and (long := next((key for key in one if len(key) > MOST_KEY), None)):
-                raise DocumentError(f"a key of {len(long)} characters, {_shown(long)}: expected at most {MOST_KEY}")
+                raise DocumentError(
+                    f"a key of {len(long)} characters, {_shortened(ascii(long))}: expected at most {MOST_KEY}"
+                )
             values = one.values() if isinstance(one, dict) else one if isinstance(one, list) else ()
             inner += [value for value in values if isinstance(value, dict | list)]
         if not inner:
@@ -127,10 +129,6 @@ def _check(found: Any) -> None:
 
 def _too_deep() -> DocumentError:
     return DocumentError(f"lists or tables nested deeply: expected at most {MOST_DEPTH} in each other")
-
-
-def _shown(key: str) -> str:
-    return repr(key if len(key) <= 60 else f"{key[:57]}...").encode("ascii", "backslashreplace").decode()
 
 
 _KeyPath = tuple[str | int, ...]
@@ -237,11 +235,11 @@ class Table:
 
     def texts(self, key: str, default: Any = _NEEDED) -> tuple[str, ...]:
         """Return non-empty texts."""
-
-        def are_texts(value: list[Any]) -> bool:
-            return all(isinstance(entry, str) and entry.strip() for entry in value)
-
-        return tuple(self._checked(list, key, default, are_texts, 'a list of texts, like ["one", "another"]'))
+        found = self._checked(
+            list, key, default, lambda value: all(isinstance(one, str) and one.strip() for one in value),
+            'a list of texts, like ["one", "another"]',
+        )  # fmt: skip
+        return tuple(found)
 
     def _checked(self, kind: type[T], key: str, default: Any, is_right: Callable[[Any], object], wanted: str) -> T:
         value: Any = self.raw(key, default)

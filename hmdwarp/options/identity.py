@@ -7,7 +7,7 @@ import functools
 import hashlib
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -23,32 +23,31 @@ from .documents import json_in
 from .named_files import BAG, BESIDE, GLTF, content_of, opened
 
 # What neither draws nor measures a picture: a change there leaves most results as they are.
-_NOT_OF_RESULTS = ("cli/", "display/", "report/", "study/", "experiments/sweep/", "experiments/thesis/")
+_NOT_OF_RESULTS = ("cli/", "display/", "report/", "experiments/sweep/", "experiments/thesis/thesis")
 # How files of a scene name another file.
 _NAMING = {".xml": r'name="filename"\s+value="([^"]+)"'}
 _NAMING |= {
     ending: rf"^\s*{begins}(.*)$"
     for ending, begins in ((".obj", "mtllib"), (".mtl", "map_kd"), (".ply", "comment texturefile"))
 }
-_CHUNK = 1 << 20
 
 
-def identity_of(kind: str, what: Any, also: Sequence[str] = ()) -> str:
+def identity_of(kind: str, what: Any) -> str:
     """Return the hash of the program, of a kind of case, and of what it runs.
 
-    what: options and plain values; a file counts by its name and content. also: as program_hash.
+    what: options and plain values; a file counts by its name and content.
     Errors: OSError and InputError for a file that cannot be read.
     """
-    made_with = {"hmdwarp": __version__, "program": program_hash(*also), "kind": kind, "what": _content(what)}
+    made_with = {"hmdwarp": __version__, "program": program_hash(), "kind": kind, "what": _content(what)}
     text = json.dumps(made_with, sort_keys=True, allow_nan=True)
     return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()[:32]
 
 
 @functools.cache
-def program_hash(*also: str) -> str:
+def program_hash(left_out: tuple[str, ...] = _NOT_OF_RESULTS) -> str:
     """Return a hash of the program's files that results depend on, wherever it is installed.
 
-    also: beginnings of paths in the package that these results depend on too, such as `study/`.
+    left_out: beginnings of paths in the package; () for all of the program.
     """
     package, shaders = Path(__file__).resolve().parents[1], resource_folder("shaders")
     found = hashlib.sha256()
@@ -56,15 +55,9 @@ def program_hash(*also: str) -> str:
     for base, pattern in (*patterns, (shaders, "**/*.*")):
         for path in sorted(base.glob(pattern)):
             name = path.relative_to(base).as_posix()
-            counts = not name.startswith((*_NOT_OF_RESULTS, "_data/")) or name.startswith(also)
-            if path.is_file() and counts:
+            if path.is_file() and not name.startswith(("_data/", *left_out)):
                 found.update(name.encode() + b"\0" + path.read_bytes())
     return found.hexdigest()[:16]
-
-
-def whole_program_hash() -> str:
-    """Return a hash of all files of the program: the same wheel has the same one."""
-    return program_hash(*_NOT_OF_RESULTS)
 
 
 def files_at(place: str | Path) -> list[Path]:
@@ -107,8 +100,7 @@ def _named_by(path: Path, size: int, mtime_ns: int) -> list[str]:
 def hash_of_files(place: str | Path) -> str:
     """Return a hash of the names and contents of files_at(place)."""
     path = Path(place)
-    base = path if path.is_dir() else path.parent
-    return _hash_of_files(tuple(map(_state, files_at(path))), base)
+    return _hash_of_files(tuple(map(_state, files_at(path))), path if path.is_dir() else path.parent)
 
 
 @functools.lru_cache(maxsize=256)
@@ -117,8 +109,7 @@ def _hash_of_files(files: tuple[tuple[Path, int, int], ...], base: Path) -> str:
     for path, _, _ in files:
         found.update(path.relative_to(base).as_posix().encode(errors="surrogatepass") + b"\0")
         with opened(path, BAG) as stream:
-            while chunk := stream.read(_CHUNK):
-                found.update(chunk)
+            found.update(hashlib.file_digest(stream, "sha256").digest())  # type: ignore[arg-type]
     return found.hexdigest()
 
 

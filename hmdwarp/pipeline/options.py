@@ -25,7 +25,6 @@ from ..options import (
     Guard,
     Number,
     as_path,
-    check_one_guard,
     group,
     guard_band,
     guard_field,
@@ -34,7 +33,6 @@ from ..options import (
     option,
     options_of,
     parse_size,
-    rendered_size_field,
 )
 from ..poses.options import DEFAULT_PREDICTOR, PREDICTORS
 from ..scenes.options import EXTRAPOLATED, FORESEEN, HELD, SceneOptions
@@ -84,7 +82,7 @@ PROXY = SourceKind("proxy", _PICTURE[:1])
 # Options that recorded frames set, with their values; those that are refused wherever they are set;
 # and why.
 _OF_FRAMES = {"guard": "1", "predict": "none", "lens": "none"}
-_ONLY_SAID = ("scene", "headset", "rendered_size", "samples")
+_ONLY_SAID = ("scene", "headset", "samples")
 _SET_BY_FRAMES = "recorded frames are one eye's, as its camera took them; leave it out"
 
 
@@ -352,7 +350,7 @@ class PipelineOptions(Declared):
         f" auto: as the trace needs. [default: {DEFAULT_GUARD:g}; 1 with warp none]",
         heading=_RENDERING,
     )
-    rendered_size: tuple[int, int] | None = rendered_size_field(_RENDERING)
+    rendered_size: tuple[int, int] | None = None  # in place of the guard: of recorded frames, see Source.fitted
     fovea_deg: float | None = _rendering(
         None,
         "Degrees across that are sharp in frames, where the eye looks, or straight ahead if the trace has no gaze; the "
@@ -452,7 +450,6 @@ class PipelineOptions(Declared):
             coded = values["coding"].codec != "none" if "coding" in values else False
             if coded and not said.get("bandwidth") and math.isfinite(device.download_mbit_s):
                 values["network"] = attrs.evolve(values["network"], bandwidth=Bandwidth(device.download_mbit_s))
-        check_one_guard(said)
         warp, fill = said.get("warp") or DEFAULT_WARP, said.get("fill")
         if warp == AUTO and fill is not None:
             raise InputError(f"--fill {fill}: --warp auto chooses the fill too; leave one of the two out")
@@ -497,12 +494,12 @@ class PipelineOptions(Declared):
     @property
     def guard_band(self) -> geometry.GuardBand:
         """The guard band. Errors: InputError while it is "auto"."""
-        return guard_band(self)
+        return self.guard_factors if self.rendered_size is None else geometry.GuardBand(size=self.rendered_size)
 
     @property
     def guard_factors(self) -> geometry.GuardBand:
         """The guard band in factors, whatever pixels are drawn. Errors: as guard_band."""
-        return guard_band(attrs.evolve(self, rendered_size=None))
+        return guard_band(self.guard)
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -1,10 +1,5 @@
 from .formats import load_trace as load_trace
 from .options import TraceOptions as TraceOptions
-from .prediction import ERROR_PERCENTILES as ERROR_PERCENTILES
-from .prediction import LATENCIES_MS as LATENCIES_MS
-from .prediction import SPEED_PERCENTILES as SPEED_PERCENTILES
-from .prediction import Analysis as Analysis
-from .prediction import PredictionErrors as PredictionErrors
 from .prediction import analyse as analyse
 from .prediction import error_row as error_row
 from .prediction import gaze_of as gaze_of

@@ -15,7 +15,7 @@ MOTIONS = "still, look-around, reversals, walk, fast-turns, forward, backward, s
 PREDICTORS = dict.fromkeys(("cautious", "cav", "constant_velocity", "none", "on"), "cautious")
 DEFAULT_PREDICTOR = "cautious"  # errs short, see docs/results-link.md
 FRAMES = "frames"
-TIME_UNITS = ("s", "ms", "us", "ns", "100ns", FRAMES)
+TIME_UNITS = ("s", "ms", "us", "ns", "100ns")
 _QUAT_ORDERS = ("xyzw", "wxyz")
 DIRECT, INVERSE = "direct", "inverse"
 ROWS, COLUMNS = "rows", "columns"
@@ -54,11 +54,6 @@ def parse_euler(text: str) -> Euler:
     return Euler(axes, unit == "deg", signs or (1, 1, 1))
 
 
-def _refuse_auto(axes: str | None) -> None:
-    if axes is not None and axes.strip().lower() == "auto":
-        raise InputError(f"--axes {axes}: expected a preset of 'hmdwarp list axes', or world=.. head=..")
-
-
 @attrs.frozen
 class TraceOptions(Declared):
     """Overrides for reading a trace; None leaves the fact to the file. Errors: InputError."""
@@ -74,9 +69,8 @@ class TraceOptions(Declared):
         None, "What is up in the file: an axis (y, z, -z); right,up,forward (x,z,y); or a direction (0.04,0.95,0.3)."
     )
     axes: str | None = option(
-        None, "Axes of the file: a preset (hmdwarp list axes), or world=right,up,forward head=right,up,forward.",
-        valid=lambda _, __, value: _refuse_auto(value),
-    )  # fmt: skip
+        None, "Axes of the file: a preset (hmdwarp list axes), or world=right,up,forward head=right,up,forward."
+    )
     scale: float | None = option(
         None, "Metres per unit of the file's positions; by default as its format has it.",
         valid=Number(least=1e-6, most=1e6),
@@ -85,8 +79,8 @@ class TraceOptions(Declared):
         None, "Samples per second, in place of the file's clock.", name="trace_rate", unit="Hz",
         valid=Number(least=1e-3, most=1e6),
     )  # fmt: skip
-    time_unit: str | None = option(  # A key of `reading.times.UNITS_NS`, or FRAMES
-        None, "Unit of the file's clock: s, ms, us, ns, 100ns, or frames of --trace-rate; else as it says, or guessed.",
+    time_unit: str | None = option(  # A key of `reading.columns.UNITS_NS`
+        None, "Unit of the file's clock: s, ms, us, ns or 100ns; by default as it says, or guessed.",
         valid=one_of(*TIME_UNITS),
     )  # fmt: skip
     columns: str | None = option(  # See `reading.layouts.stated_layout`
@@ -94,7 +88,9 @@ class TraceOptions(Declared):
         "Which columns to read, by name or number from 1: t=1,p=2+3+4,q=5+6+7+8 (x y z w); in place of q, m=2-17 (a "
         "matrix), r=5+6+7 (a rotation vector) or e=5+6+7 (with --euler).",
     )
-    time_column: str | None = option(None, "The column of the clock, by name or number from 1.")
+    time_column: str | None = option(
+        None, "The column of the clock, by name or number from 1; of frames with --trace-rate."
+    )
     device: str | None = option(None, "Whose rows to read where a file holds those of several devices.")
     euler: str | None = option(  # See `parse_euler`
         None,

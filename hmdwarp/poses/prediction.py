@@ -84,14 +84,6 @@ def predict(
     return sample if track.gaze is None else attrs.evolve(sample, gaze=known_gaze(track, known_ns, sample.pose))
 
 
-@attrs.frozen
-class PredictionErrors:
-    """Angles of many predictions, in degrees; NaN without any."""
-
-    mean: float
-    percentiles: tuple[float, ...]  # at ERROR_PERCENTILES
-
-
 _MS = 1_000_000
 GRID_NS = 5 * _MS  # 200 Hz
 MOST_INSTANTS = 200_000  # 1000 s at 200 Hz: longer tracks are sampled at evenly spaced instants
@@ -99,49 +91,25 @@ LATENCIES_MS = (20, 50, 100, 200, 400, 600, 800)
 SPEED_PERCENTILES = (50, 95, 99, 99.9)
 
 
-@attrs.frozen
-class _ErrorRow:
-    """Angles between the head and its predictions of `latency_ms` before; NaN in a short track."""
+def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> dict[str, Any]:
+    """Return what `trace info --json` prints of the motion, none of it across a gap or jump.
 
-    latency_ms: int
-    errors: dict[str, PredictionErrors]  # by predictor, each once, by how far it looks ahead
-    count: int  # instants
-
-
-@attrs.frozen
-class Analysis:
-    """Everything `hmdwarp trace info` prints about motion."""
-
-    samples: int
-    duration_s: float
-    rate_hz: float
-    mean_rate_hz: float
-    repeated_share: float
-    gaps: list[dict[str, float]]  # stretches without samples: start_s, length_s
-    jumps: int
-    angular_speed_deg_s: tuple[float, ...]  # at SPEED_PERCENTILES
-    linear_speed_m_s: tuple[float, ...]  # at SPEED_PERCENTILES
-    errors: list[_ErrorRow]  # one row per latency
-    gaze_known: float | None = None  # share of the samples; None for a track without gaze
-
-
-def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> Analysis:
-    """Return the figures of a track without repeated poses, none across a gap or jump."""
-    motion = track.without_repeats()
-    steps = np.diff(track.time_ns)
-    gaps = np.flatnonzero(steps > track.max_gap_ns)
-    duration_s = track.duration_ns / 1e9
+    Speeds, at SPEED_PERCENTILES, and errors leave out repeated poses; percentiles are keys such as
+    p95, NaN without any.
+    """
+    motion, steps = track.without_repeats(), np.diff(track.time_ns)
+    gaps, duration_s = np.flatnonzero(steps > track.max_gap_ns), track.duration_ns / 1e9
     angular, linear = speeds(motion)
-    return Analysis(
-        samples=len(track), duration_s=duration_s, rate_hz=track.rate_hz,
-        mean_rate_hz=(len(track) - 1) / duration_s if duration_s else 0.0, repeated_share=1 - len(motion) / len(track),
-        gaps=[{"start_s": int(track.time_ns[i]) / 1e9, "length_s": int(steps[i]) / 1e9} for i in gaps],
-        jumps=len(track.jumps),
-        angular_speed_deg_s=_percentiles(np.degrees(angular), SPEED_PERCENTILES),
-        linear_speed_m_s=_percentiles(linear, SPEED_PERCENTILES),
-        errors=[error_row(motion, latency) for latency in latencies_ms],
-        gaze_known=None if track.gaze is None else float(np.isfinite(track.gaze).all(axis=1).mean()),
-    )  # fmt: skip
+    known = None if track.gaze is None else {"known": float(np.isfinite(track.gaze).all(axis=1).mean())}
+    return {
+        "samples": len(track), "repeated_share": 1 - len(motion) / len(track), "duration_s": duration_s,
+        "rate_hz": track.rate_hz, "mean_rate_hz": (len(track) - 1) / duration_s if duration_s else 0.0,
+        "gaps": [{"start_s": int(track.time_ns[i]) / 1e9, "length_s": int(steps[i]) / 1e9} for i in gaps],
+        "jumps": len(track.jumps), "gaze": known,
+        "angular_speed_deg_s": _percentiles(np.degrees(angular), SPEED_PERCENTILES),
+        "linear_speed_m_s": _percentiles(linear, SPEED_PERCENTILES),
+        "errors_deg": [error_row(motion, latency) for latency in latencies_ms],
+    }  # fmt: skip
 
 
 def speeds(track: PoseTrack) -> tuple[Array, Array]:
@@ -154,20 +122,24 @@ def speeds(track: PoseTrack) -> tuple[Array, Array]:
     return angle / seconds, np.linalg.norm(after.position_m - before.position_m, axis=1) / seconds
 
 
-def error_row(track: PoseTrack, latency_ms: int) -> _ErrorRow:
-    """Return the angles between the head at t and its predictions from t - latency."""
+def error_row(track: PoseTrack, latency_ms: int) -> dict[str, Any]:
+    """Return the angles between the head at t and its predictions from t - latency.
+
+    By predictor, each once, by how far it looks ahead: mean, and ERROR_PERCENTILES, in degrees.
+    count: of instants.
+    """
     latency = latency_ms * _MS
     now = _instants(track, latency + KNOWN_NS, 0)
     now = now[_joined(track, now - latency - KNOWN_NS, now)]
     truth = track.sample_many(now).orientation_xyzw
     then = now - latency
-    errors = {}
+    row: dict[str, Any] = {"latency_ms": latency_ms, "count": len(now)}
     for predictor in sorted((p for p in predictors if not p.alias_of), key=lambda p: p.horizon_ns):
         predicted = predictor.predict_many(track, then, latency).orientation_xyzw
         missed = np.linalg.norm(np.degrees(quaternions.vector_between(truth, predicted)), axis=-1)
         mean = float(missed.mean()) if len(missed) else math.nan
-        errors[predictor.name] = PredictionErrors(mean, _percentiles(missed, ERROR_PERCENTILES))
-    return _ErrorRow(latency_ms, errors, len(now))
+        row |= {predictor.name: {"mean": mean, **_percentiles(missed, ERROR_PERCENTILES)}}
+    return row
 
 
 def _instants(track: PoseTrack, before_ns: int, after_ns: int) -> NDArray[np.int64]:
@@ -187,33 +159,19 @@ def _joined(track: PoseTrack, start_ns: NDArray[np.int64], end_ns: NDArray[np.in
     return np.asarray((track.run_of(start_ns) == track.run_of(end_ns)) & known)
 
 
-def _percentiles(values: Array, wanted: tuple[float, ...]) -> tuple[float, ...]:
-    return tuple(np.percentile(values, wanted).tolist()) if len(values) else (math.nan,) * len(wanted)
+def _percentiles(values: Array, wanted: tuple[float, ...]) -> dict[str, float]:
+    found = np.percentile(values, wanted).tolist() if len(values) else [math.nan] * len(wanted)
+    return {f"p{percent:g}": value for percent, value in zip(wanted, found, strict=True)}
 
 
-def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
-    """Return what `trace info --json` prints; percentiles are keys such as p95."""
-    rows = [
-        {"latency_ms": row.latency_ms}
-        | {n: {"mean": e.mean, **_by_name(e.percentiles, ERROR_PERCENTILES)} for n, e in row.errors.items()}
-        for row in figures.errors
-    ]
-    rates = ("samples", "repeated_share", "duration_s", "rate_hz", "mean_rate_hz")
+def trace_as_json(loaded: LoadedTrace, figures: dict[str, Any]) -> dict[str, Any]:
+    """Return what `trace info --json` prints. figures: of `analyse`."""
     return {
         **{"trace": str(loaded.path), "format": loaded.format, "origin": loaded.track.origin},
         **{"axes": loaded.axes, "columns": loaded.columns},
-        **{name: getattr(figures, name) for name in rates},
         **{"clock": loaded.time_unit, "clock_starts_s": loaded.track.epoch_ns / 1e9},
-        **{"gaps": figures.gaps, "jumps": figures.jumps},
-        "gaze": None if figures.gaze_known is None else {"known": figures.gaze_known},
-        "angular_speed_deg_s": _by_name(figures.angular_speed_deg_s, SPEED_PERCENTILES),
-        "linear_speed_m_s": _by_name(figures.linear_speed_m_s, SPEED_PERCENTILES),
-        "errors_deg": rows,
+        **figures,
         "segments": [attrs.asdict(segment) for segment in loaded.segments],
         "assumptions": assumption_rows(loaded.assumptions),
         "defects": [attrs.asdict(defect) for defect in loaded.defects],
     }
-
-
-def _by_name(values: tuple[float, ...], which: tuple[float, ...]) -> dict[str, float]:
-    return {f"p{percent:g}": value for percent, value in zip(which, values, strict=True)}

@@ -1,14 +1,11 @@
 """Synthetic heads: seeded motion with human statistics, for recordings free of any licence.
 
 A head turns in gaze shifts along minimum-jerk profiles (Flash and Hogan 1985, The coordination of
-arm movements, eq. 6; fitted to heads by Chen et al. 2012, Submovement composition of head
-movement). The duration of a shift grows linearly with its amplitude, so its peak speed grows with
-amplitude and levels off: the main sequence of heads (Zangemeister, Jones and Stark 1981, Dynamics
-of head movement trajectories). Between shifts it drifts in slow submovements, like a head that
-follows an object. It turns about the neck, not about the eyes; it sways like a standing person and
-bobs at each step of a walking one. Glides are no person's: they move in one way only, at a known
-speed, to tell apart what each kind of motion costs. All randomness is
-`random.Random(seed).random()`, whose sequence Python guarantees across versions and machines.
+arm movements, eq. 6), whose duration grows linearly with their amplitude: the main sequence of
+heads (Zangemeister, Jones and Stark 1981, Dynamics of head movement trajectories). Between shifts
+it drifts in slow submovements. It turns about the neck, sways, and bobs at each step. Glides are no
+person's: they move in one way only, at a known speed, to tell apart what each kind of motion costs.
+All randomness is `random.Random(seed).random()`, whose sequence Python guarantees everywhere.
 """
 
 from __future__ import annotations
@@ -438,13 +435,30 @@ _LEAD_S = 0.35
 
 def _walk(rng: random.Random, seconds: float, t: Array) -> Motion:
     """Return laps of two ellipses that touch at the start, one to the left, one to the right."""
+
+    def pace(t: Array) -> Array:  # 0 standing, 1 walking: starts within 1.5 s from 0.5 s, stops so too
+        return minimum_jerk((t - 0.5) / 1.5) * minimum_jerk((seconds - 0.3 - t) / 1.5)
+
+    # On a fine fixed grid, so that the path does not depend on the sampling rate.
+    grid = np.arange(0.0, seconds + 2.0, 1 / 1000)
+    laps = np.concatenate([[0.0], np.cumsum(pace(grid))[:-1]]) / 1000 / _LAP_S
+
+    def path(t: Array) -> tuple[Array, Array]:  # (n, 3) place of the neck, and heading in degrees
+        lap = np.interp(t, grid, laps)
+        whole = np.floor(lap)
+        phase = 2 * math.pi * (lap - whole)
+        side = np.where(whole % 2 == 0, -1.0, 1.0)  # first to the left
+        a, b = _WALK_HALF_AXES_M
+        x, z = side * a * (1 - np.cos(phase)), -b * np.sin(phase)
+        turned = np.degrees(np.unwrap(np.arctan2(-side * a * np.sin(phase), b * np.cos(phase)), period=2 * math.pi))
+        return np.stack([x, np.full_like(t, EYE_HEIGHT_M), z], axis=1) - _NECK_TO_EYES_M, turned
+
     # Constant pace in the ellipse's parameter is the two-thirds power law of human curved motion
     # (Lacquaniti et al. 1983); the head turns ahead of the path (Grasso et al. 1996, 0.2 to 0.5 s).
-    place, _ = _path(t, seconds)
-    going = _path_pace(t, seconds)
+    place, going = path(t)[0], pace(t)
     step = 2 * math.pi * _STEP_HZ * t
     bob = 0.022 * going * np.sin(step + 0.5 * math.pi)
-    _, heading = _path(t + _LEAD_S * going, seconds)
+    heading = path(t + _LEAD_S * going)[1]
     side = 0.018 * going * np.sin(step / 2)
     turned = np.radians(heading)
     place = place + side[:, None] * np.stack([np.cos(turned), np.zeros_like(t), -np.sin(turned)], axis=1)
@@ -462,27 +476,6 @@ def _walk(rng: random.Random, seconds: float, t: Array) -> Motion:
     roll = 0.8 * going * np.sin(step / 2) + _sines(rng, t, 1.0, 0.1, 0.7)
     place = place + 0.5 * (_sway(rng, t) - np.array([0.0, EYE_HEIGHT_M, 0.0]) + _NECK_TO_EYES_M)
     return Motion(heading + glances, pitch, roll, place)
-
-
-def _path_pace(t: Array, seconds: float) -> Array:
-    """Return the pace, 0 standing, 1 walking: starts within 1.5 s from 0.5 s, stops so too."""
-    return minimum_jerk((t - 0.5) / 1.5) * minimum_jerk((seconds - 0.3 - t) / 1.5)
-
-
-def _path(t: Array, seconds: float) -> tuple[Array, Array]:
-    """Return (n, 3) place of the neck and heading in degrees along the two ellipses."""
-    # The pace, on a fine fixed grid, so that the path does not depend on the sampling rate.
-    grid = np.arange(0.0, seconds + 2.0, 1 / 1000)
-    laps = np.concatenate([[0.0], np.cumsum(_path_pace(grid, seconds))[:-1]]) / 1000 / _LAP_S
-    lap = np.interp(t, grid, laps)
-    whole = np.floor(lap)
-    phase = 2 * math.pi * (lap - whole)
-    side = np.where(whole % 2 == 0, -1.0, 1.0)  # first to the left
-    a, b = _WALK_HALF_AXES_M
-    x, z = side * a * (1 - np.cos(phase)), -b * np.sin(phase)
-    turned = np.degrees(np.unwrap(np.arctan2(-side * a * np.sin(phase), b * np.cos(phase)), period=2 * math.pi))
-    place = np.stack([x, np.full_like(t, EYE_HEIGHT_M), z], axis=1) - _NECK_TO_EYES_M
-    return place, turned
 
 
 _PEOPLE = (_still, _look_around, _reversals, _walk, _fast_turns)  # kinds of their names

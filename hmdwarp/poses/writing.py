@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable
-from typing import IO, Any
+from typing import IO
 
 import numpy as np
 
 from ..geometry import Pose
-from ..resources import import_extra
-from .reading.axes import OPENXR, parse_axes
-from .reading.pose_messages import EXTRA, METADATA
+from .reading.axes import OPENXR
 from .track import PoseTrack
 
 COLUMNS = ("time_ns", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
@@ -21,13 +18,6 @@ AXES = "world_from_head in OpenXR axes: right-handed, +x right, +y up, -z forwar
 _BLOCK = 65536  # rows written at a time
 _LARGEST_NS = 2**62  # what the readers accept
 _SECOND_NS = 1_000_000_000
-_MCAP_AXES = "ros"
-
-
-def _clock_offset_ns(track: PoseTrack) -> int:
-    """Return what restores the recording's own clock; 0 where that is beyond 2^62 ns."""
-    fits = abs(track.epoch_ns + track.start_ns) < _LARGEST_NS and abs(track.epoch_ns + track.end_ns) < _LARGEST_NS
-    return track.epoch_ns if fits else 0
 
 
 def write_rows(
@@ -40,9 +30,9 @@ def write_rows(
     writes the shortest text that reads back as the same number. gaze: where the eyes look, too, if
     the track has it; 0 0 0 where it is not known.
     """
-    offset, columns = _clock_offset_ns(track), ["xyzw".index(c) for c in order]
-    seen = track.gaze if gaze else None
-    row = ""
+    # What restores the recording's own clock, if readers take that.
+    offset = track.epoch_ns if abs(track.epoch_ns) + max(abs(track.start_ns), abs(track.end_ns)) < _LARGEST_NS else 0
+    columns, seen, row = ["xyzw".index(c) for c in order], track.gaze if gaze else None, ""
     for a in range(0, len(track), _BLOCK):
         part = slice(a, a + _BLOCK)
         position, orientation = track.position_m[part], track.orientation_xyzw[part][:, columns]
@@ -89,32 +79,4 @@ def write_text(
     write_rows(track, stream, separator, order, stamp)
 
 
-def _write_mcap(track: PoseTrack, stream: IO[bytes]) -> None:
-    """Write foxglove.PoseInFrame as JSON. Source: MCAP specification; Foxglove schemas."""
-
-    def object_of(**properties: dict[str, Any]) -> dict[str, Any]:  # the JSON schema of one
-        return {"type": "object", "properties": properties}
-
-    place, turn = (object_of(**{name: {"type": "number"} for name in names}) for names in ("xyz", "xyzw"))
-    stamp = object_of(sec={"type": "integer", "minimum": 0}, nsec={"type": "integer", "minimum": 0})
-    pose = object_of(position=place, orientation=turn)
-    schema = {"title": "foxglove.PoseInFrame", **object_of(timestamp=stamp, frame_id={"type": "string"}, pose=pose)}
-    writer = import_extra("mcap.writer", "mcap", EXTRA).Writer(stream)
-    writer.start(profile="", library="hmdwarp")
-    writer.add_metadata(METADATA, {"axes": _MCAP_AXES, "origin": track.origin})
-    known = writer.register_schema(schema["title"], "jsonschema", json.dumps(schema).encode())
-    channel = writer.register_channel("/head", "json", known)
-    times = track.time_ns + _clock_offset_ns(track)
-    times -= min(0, int(times[0]))  # a log begins at 0 or later
-    basis = parse_axes(_MCAP_AXES).world
-    position, turned = track.position_m @ basis, track.orientation_xyzw[:, :3] @ basis
-    turned = np.column_stack([turned, track.orientation_xyzw[:, 3]])
-    for time_ns, p, q in zip(times.tolist(), position.tolist(), turned.tolist(), strict=True):
-        sample = {"position": dict(zip("xyz", p, strict=True)), "orientation": dict(zip("xyzw", q, strict=True))}
-        sec, nsec = divmod(time_ns, _SECOND_NS)
-        text = json.dumps({"timestamp": {"sec": sec, "nsec": nsec}, "frame_id": "world", "pose": sample})
-        writer.add_message(channel, time_ns, text.encode(), time_ns)
-    writer.finish()
-
-
-WRITERS: dict[str, Callable[..., None]] = {"native": write_native, "text": write_text, "mcap": _write_mcap}
+WRITERS: dict[str, Callable[..., None]] = {"native": write_native, "text": write_text}

@@ -14,7 +14,6 @@ from .live_run import Hand as Hand
 from .live_run import PipelineHost as PipelineHost
 from .live_run import Watchdog as Watchdog
 from .live_run import checked_source as checked_source
-from .live_run import display_options as display_options
 from .live_run import live as live
 from .live_run import on_screen as on_screen
 from .live_run import open_display as open_display

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol
@@ -17,9 +16,8 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ..colour import picture_from_linear
 from ..display import Display, Status, Tick
-from ..gpu import Canvas, Gpu, download
+from ..gpu import Canvas, Gpu
 from ..link import ResponseTime, figures_of_parts
 from ..metrics import aggregate_columns, middle_and_tail
 from ..options import AUTO
@@ -31,14 +29,13 @@ from .options import LiveOptions
 from .recorder import Lines
 from .run import Run
 from .run_summary import (
-    EYES,
     OWNED,
     STAGE_COLUMNS,
     Answers,
-    Moment,
     Row,
     Timeline,
     csv_text,
+    row_of,
     speeds_between,
     stage_columns,
     summary_of,
@@ -89,7 +86,6 @@ class HoleCounter:
 MOST_ROWS = 1 << 15  # six minutes at 90 Hz are kept whole
 MOST_EVENTS = 1000  # switches, losses; a held key makes thirty a second
 _MOST_NOTICES = 50  # different ones
-_MORE = "others"
 OF_EYE = (*STAGE_COLUMNS, "hole_share")
 _STAGES = {name.removesuffix("_ms"): name for name in STAGE_COLUMNS[:-1]}
 _RESPONSE = tuple(ResponseTime().parts())
@@ -138,37 +134,6 @@ class Thinned:
         return kept
 
 
-_WAITING = 8  # full pictures in memory at a time; beyond that the loop waits for the disk
-
-
-class Pictures:
-    """Keep every n-th refresh as images/frame-NNNNNN-{left,right}.png.
-
-    Reading a picture back waits for the GPU: such a refresh is late. every: 0 for none.
-    """
-
-    def __init__(self, out: OutputFolder, every: int) -> None:
-        self._out, self._every = out, every
-        self._writer = ThreadPoolExecutor(1, "pictures")
-        self._under_way: deque[Future[None]] = deque()
-
-    def keep(self, number: int, refresh: Refresh) -> None:
-        """Read a picture back if it is to be kept. Errors: as write_png, for an earlier picture."""
-        for eye, result in enumerate(refresh.eyes if self._every and number % self._every == 0 else ()):
-            while len(self._under_way) >= _WAITING:
-                self._under_way.popleft().result()
-            linear = download(result.panel.texture)
-            self._under_way.append(self._writer.submit(self._write, f"frame-{number:06d}-{EYES[eye]}.png", linear))
-
-    def _write(self, name: str, linear: NDArray[np.floating]) -> None:
-        self._out.write_png(f"images/{name}", picture_from_linear(linear))
-
-    def close(self) -> None:
-        self._writer.shutdown()
-        while self._under_way:
-            self._under_way.popleft().result()
-
-
 @attrs.frozen(eq=False)
 class LiveResult:
     """The results of a live run."""
@@ -212,7 +177,6 @@ class LiveLog:
         if options.out is not None:
             self._out = OutputFolder(options.out, owned=OWNED, force=options.force)
             self._rows = Lines(self._out.path("frames.csv"))
-            self._pictures = Pictures(self._out, options.images_every)
         # One row for each refresh, under COLUMNS.
         self._times = Thinned(COLUMNS)
         self._timeline, self._answers = Timeline(), Answers()
@@ -241,7 +205,7 @@ class LiveLog:
         self._first_ns = 0
         self._submitted_ns: int | None = None
         # The entry still to be logged: its times are known at the next refresh.
-        self._pending: tuple[Moment, Refresh, float | None] | None = None
+        self._pending: tuple[Row, Refresh, float | None] | None = None
         self._summary: dict[str, Any] = {}
         self._written = False
         self._finishing, self._finished = threading.Lock(), False
@@ -304,9 +268,8 @@ class LiveLog:
             self._stale += tick.missed
             self._longest_stale = max(self._longest_stale, self._stale)
         status.missed, status.notice = counts["missed"], notice
-        if notice:
-            is_known = notice in self._notices or len(self._notices) < _MOST_NOTICES
-            self._notices[notice if is_known else _MORE] += 1
+        if notice and (notice in self._notices or len(self._notices) < _MOST_NOTICES):
+            self._notices[notice] += 1
         before_ns, self._submitted_ns = self._submitted_ns, None if refresh is None else submitted_ns
         if refresh is None:
             counts["waiting" if tick.render else "unseen"] += 1
@@ -316,19 +279,17 @@ class LiveLog:
             self._first_ns = refresh.shown_ns
         self._answers.see(refresh.shown_ns, refresh.frame.shows_ns)
         speeds = speeds_between(self._last, refresh)
-        moment = Moment.of(self.count, refresh, self._first_ns, speeds, submitted_ns)
+        row = row_of(self.count, refresh, self._first_ns, speeds, submitted_ns)
         period_ms = None if before_ns is None else (submitted_ns - before_ns) * 1e-6
         recent = (
-            (status.age_ms, moment.figures["age_ms"]),
-            (status.pose_age_ms, moment.figures["pose_age_ms"]),
+            (status.age_ms, row["age_ms"]),
+            (status.pose_age_ms, row["pose_age_ms"]),
             (status.period_ms, period_ms),
         )
         for plot, value in recent:
             if value is not None:
                 plot.append(value)
-        if self._out is not None:
-            self._pictures.keep(self.count, refresh)
-        self._last, self._pending = refresh, (moment, refresh, period_ms)
+        self._last, self._pending = refresh, (row, refresh, period_ms)
         run = self._host.run
         if run.channel is not self._channel:
             self._timeline = Timeline()
@@ -350,8 +311,8 @@ class LiveLog:
             self._holes.count(warped)
         if self._pending is None:
             return
-        (moment, refresh, period_ms), self._pending = self._pending, None
-        shares: tuple[float | None, ...] = self._holes.shares() or (None,) * moment.eyes
+        (row, refresh, period_ms), self._pending = self._pending, None
+        shares: tuple[float | None, ...] = self._holes.shares() or (None,) * len(refresh.eyes)
         eyes = [
             {**stage_columns(stages), "hole_share": share}
             for stages, share in zip(refresh.stage_ms, shares, strict=True)
@@ -367,15 +328,14 @@ class LiveLog:
         of_eyes = {f"{name}/{number}": eye[name] for number, eye in enumerate(eyes) for name in OF_EYE}
         response = {f"response/{name}": part_ms for name, part_ms in refresh.response.parts().items()}
         own = {"period_ms": period_ms, "render_ms": render_ms, "busy_ms": render_ms + passes_ms}
-        self._times.add({**moment.figures, **own, **of_eyes, **response})
+        self._times.add({**row, **own, **of_eyes, **response})
         self._timeline.add(refresh)
-        self._log(moment, eyes)
+        self._log(row, eyes)
 
-    def _log(self, moment: Moment, eyes: Sequence[Row]) -> None:
+    def _log(self, row: Row, eyes: Sequence[Row]) -> None:
         """Write the lines of frames.csv. eyes: what differs between them."""
         if self._out is not None:
-            same = {**moment.figures, **moment.poses()}
-            self._rows.add(csv_text([{**same, "eye": number, **eye} for number, eye in enumerate(eyes)]))
+            self._rows.add(csv_text([{**row, "eye": number, **eye} for number, eye in enumerate(eyes)]))
 
     def leave(self) -> None:
         """Read the times of the last refresh, before the GPU goes away. Failures are ignored."""
@@ -411,12 +371,9 @@ class LiveLog:
 
     def _write(self, out: OutputFolder) -> None:
         if self._pending is not None:  # the GPU went away before its times could be read
-            moment = self._pending[0]
-            self._log(moment, [{}] * moment.eyes)
-        try:
-            self._rows.close()
-        finally:
-            self._pictures.close()
+            row, refresh, _ = self._pending
+            self._log(row, [{}] * len(refresh.eyes))
+        self._rows.close()
         self._summary = self._sum_up()
         page = render_live_report(self._summary, self._times.column, command=self.options.command)
         out.write_text("report.html", page)
@@ -478,8 +435,6 @@ class LiveLog:
         for lost in self._lost[:5]:
             away = "and did not come back" if lost["away_s"] is None else f"for {lost['away_s']:.1f} s"
             notes.append(f"The display went away at {lost['time_s']:.2f} s {away}: {lost['why']}")
-        if self.options.images_every:
-            notes.append("Kept pictures were read back from the GPU, which makes their refreshes late.")
         if self._times.every > 1:
             notes.append(
                 f"Medians, percentiles and curves are of every {self._times.every}th refresh; frames.csv has all of "

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import gc
 import os
-import re
 import signal
 import sys
 import threading
 import time
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, ExitStack, closing, contextmanager, nullcontext, suppress
 from pathlib import Path
 from types import FrameType
@@ -170,17 +170,18 @@ class Watchdog:
 
     def _end(self, what: str) -> None:
         saved: list[str] = []
-        for say_last in self._last_words:
-            _within(LAST_WORDS_S, lambda say_last=say_last: saved.append(say_last()))  # type: ignore[misc]
-        found = f"hmdwarp: the OpenXR runtime has not answered {what} for {self._limit_s:g} s: it hangs"
-        line = "; ".join([found, "end its service, start it again, then try once more", *filter(None, saved)])
 
         def tell() -> None:
+            found = f"hmdwarp: the OpenXR runtime has not answered {what} for {self._limit_s:g} s: it hangs"
+            line = "; ".join([found, "end its service, start it again, then try once more", *filter(None, saved)])
             # Not sys.stderr, which may be locked by the hung thread.
             os.write(2, f"{' '.join(line.split())}\n".encode(errors="replace"))
             sys.stdout.flush()  # os._exit does not flush
 
-        _within(_PRINTING_S, tell)
+        words = [(lambda say=say: saved.append(say()), LAST_WORDS_S) for say in self._last_words]
+        for do, limit_s in (*words, (tell, _PRINTING_S)):
+            with suppress(BaseException):  # it may fail, or hang itself
+                ThreadPoolExecutor(1).submit(do).result(limit_s)
         os._exit(MachineError.exit_status)
 
     def __enter__(self) -> Watchdog:
@@ -190,18 +191,6 @@ class Watchdog:
     def __exit__(self, *_: object) -> None:
         self._over.set()
         self._thread.join()
-
-
-def _within(limit_s: float, do: Callable[[], object]) -> None:
-    """Call it, but wait no longer than that; ignore any failure."""
-
-    def guarded() -> None:
-        with suppress(BaseException):
-            do()
-
-    thread = threading.Thread(target=guarded, daemon=True)
-    thread.start()
-    thread.join(limit_s)
 
 
 class GarbageControl:
@@ -443,8 +432,6 @@ def changed(options: LiveOptions, command: Command) -> LiveOptions:
     change: dict[str, Any] = {"latency_ms" if name == "latency" else name: value}
     if name == "scene":
         change["scene_options"] = SceneOptions()  # those of a file, which this scene is not
-    if name == "guard":
-        change["rendered_size"] = None
     return attrs.evolve(options, **change)
 
 
@@ -707,11 +694,8 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: _AfterRefres
         display = stack.enter_context(closing(open_display(options, source, watchdog.watching, say)))
         ending.now_ns = display.now_ns
         if source.kind.is_timed:
-            of = (
-                "the server's scene"
-                if source.scene.name == SERVER_SCENE
-                else f"scene '{source.scene.name}' on both ends"
-            )
+            named = source.scene.name
+            of = "the server's scene" if named == SERVER_SCENE else f"scene '{named}' on both ends"
             say(f"connecting to {options.feed.connect}; {of}")
         host = PipelineHost(display, options, source, say)
         stack.callback(host.close)
@@ -811,16 +795,22 @@ def open_display(
     watching: _Watching,
     say: Callable[[str], None],
     controls: tuple[Control, ...] = CONTROLS,
-    *,
-    briefly: bool = False,
 ) -> Display:
     """Return the display that the options name; for "auto" a headset if one answers, else a window.
 
-    say: called with the reason for the window. controls: offered to the user. briefly: give that
-    reason in a clause, and leave the rest to the doctor.
+    say: called with the reason for the window. controls: offered to the user.
     Errors: MachineError that names what is missing and what to do.
     """
-    wanted = display_options(options, source, watching, controls)
+    trace, fitted = source.head(load_trace(options.trace) if options.trace else None), source.fitted(options)
+    same = ("headset", "view", "size", "full_screen", "vsync", "depth_layer", "rate_hz")
+    wanted = DisplayOptions(
+        **{name: getattr(fitted, name) for name in same},
+        emulated=source.headset if source.kind.has_head else None,
+        control_panel=options.panel,
+        watching=watching,
+        trace=trace.track if trace is not None else None,
+        controls=controls,
+    )
     if options.source == OFFSCREEN:
         return OffscreenDisplay(wanted, real_time=source.kind.is_timed)
     # What was recorded is seen from where the camera was, not from a headset's head.
@@ -838,27 +828,8 @@ def open_display(
         raise MachineError(
             f"neither headset nor window: {why}; and {error}; or show it nowhere: --source offscreen"
         ) from error
-    if briefly:
-        why = f"{re.split('[:;] ', why, maxsplit=1)[0]} (hmdwarp doctor tells more)"
     say(f"a window, as there is no headset: {why}")
     return display
-
-
-def display_options(
-    options: LiveOptions, source: Source, watching: _Watching, controls: tuple[Control, ...] = CONTROLS
-) -> DisplayOptions:
-    """Return the options that the display needs of the run."""
-    trace = source.head(load_trace(options.trace) if options.trace else None)
-    options = source.fitted(options)
-    same = ("headset", "view", "size", "full_screen", "vsync", "depth_layer", "rate_hz")
-    return DisplayOptions(
-        **{name: getattr(options, name) for name in same},
-        emulated=source.headset if source.kind.has_head else None,
-        control_panel=options.panel,
-        watching=watching,
-        trace=trace.track if trace is not None else None,
-        controls=controls,
-    )
 
 
 BY = "hmdwarp record"

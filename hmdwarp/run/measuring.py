@@ -144,12 +144,8 @@ class WholePictures:
                 self._drawn[inputs.eye] = self._server.draw(image.view, image.size, time_ns=image.drawn_ns)
                 self._server.gpu.timer.collect()
             drawn = self._drawn[inputs.eye]
-            pictures: dict[str, Any] = {
-                "colour": drawn.colour,
-                "inverse_depth": drawn.inverse_depth,
-                "left_out": frozenset(),
-            }
-            found.append(attrs.evolve(inputs, rendered=attrs.evolve(image, **pictures)))
+            whole = attrs.evolve(image, colour=drawn.colour, inverse_depth=drawn.inverse_depth, left_out=frozenset())
+            found.append(attrs.evolve(inputs, rendered=whole))
         return tuple(found)
 
     def close(self) -> None:
@@ -281,11 +277,6 @@ class Combination:
     plan: Plan
     # With its settings, if it was named as one.
     strategy: str = ""
-
-    @property
-    def is_outside(self) -> bool:
-        """Whether no warp of ours runs: another library's, or the oracle."""
-        return self.warp in PLANLESS
 
     @property
     def group(self) -> str:
@@ -433,7 +424,7 @@ def from_late(
     """
     height, width = true_depth.shape
     high, wide = late_depth.shape
-    centres = metrics.pixel_centres(slice(0, height), width)
+    centres = np.mgrid[0:height, 0:width][::-1].transpose(1, 2, 0) + 0.5
     with np.errstate(invalid="ignore"):
         place, expected, w = mapping.apply(centres, flip_rows(true_depth).astype(np.float64))
         place, expected = flip_rows(place), flip_rows(expected)
@@ -744,12 +735,15 @@ class Probe:
             except NoTruth:
                 self.without_truth += measured
                 continue
-            result = self._before_lens(refresh, eye)
+            result = refresh.eyes[eye]
+            if self._unfused is not None:
+                result = self._unfused.run(refresh.inputs[eye])
+                self._setup.target.gpu.timer.collect()
             job = self._job((number, eye, MAIN), rendered, result, truth)
             if job is not None:
                 for name, canvas in (("warp", None), *result.filled):
                     alpha = coverage(result) if canvas is None else download(canvas.texture)[..., 3]
-                    self._empty.setdefault(name, []).append(_hole_share(alpha))
+                    self._empty.setdefault(name, []).append(float((alpha == 0).mean()))
             others = []
             for which, pair in enumerate(self._setup.options.compared, 1):
                 against, key = self._against[which - 1], (number, eye, which)
@@ -776,13 +770,6 @@ class Probe:
         filled = {name: left[before] - left[name] for before, name in zip(names, names[1:], strict=False)}
         return {**filled, "empty": left[names[-1]]}
 
-    def _before_lens(self, refresh: Refresh, eye: int) -> EyeResult:
-        if self._unfused is None:
-            return refresh.eyes[eye]
-        made = self._unfused.run(refresh.inputs[eye])
-        self._setup.target.gpu.timer.collect()
-        return made
-
     def _job(
         self, key: tuple[int, int, int], rendered: EyeImage, result: EyeResult, truth: Truth
     ) -> metrics.QualityJob | None:
@@ -806,7 +793,3 @@ class Probe:
 def method_name(warp: str, fill: str) -> str:
     """Return "mesh" or "mesh + pyramid"."""
     return warp if fill == "none" else f"{warp} + {fill}"
-
-
-def _hole_share(alpha: NDArray[np.floating]) -> float:
-    return float((alpha == 0).mean())

@@ -52,9 +52,7 @@ _BETWEEN = re.compile(r",(?!\s*\w+=)")  # commas but those within a warp's setti
 _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
 _SAID_TO_RUN = "is said to 'hmdwarp study run'"
 
-
-_MEASURING = "Measuring"  # heading of options in help
-_measuring = functools.partial(option, heading=_MEASURING)
+_measuring = functools.partial(option, heading="Measuring")
 _of_display = functools.partial(option, study=DISPLAY, heading=DISPLAYED)
 
 
@@ -112,7 +110,6 @@ class RunOptions(PipelineOptions):
     images: int = option(6, "Keep about this many refreshes as pictures.", valid=Number())
     video: bool = option(False, "Also write replay.mp4: both panels, as the display gets them.")
     trace_options: TraceOptions = group(TraceOptions)
-    # Where frames come from, if not from here.
     feed: FeedOptions = group(FeedOptions)
     out: Path = out_field(Path("out/replay"), "Folder for summary.json, frames.csv, images/ and report.html.")
     force: bool = force_field()
@@ -154,7 +151,6 @@ class LiveOptions(PipelineOptions):
     lens: str = option(
         AUTO, f"Lens correction: {names_in('client/lens')}; auto: the headset's that a window emulates.", study=PICTURE
     )
-    # Source of the head pose, and the display; "offscreen" shows the pictures nowhere.
     source: str = option(
         AUTO_SOURCE,
         "Display: openxr, desktop, offscreen (none), or auto: headset, else window.",
@@ -173,7 +169,6 @@ class LiveOptions(PipelineOptions):
     )
     full_screen: bool = _of_display(False, "Open the window over the full screen.")
     vsync: bool = _of_display(True, "Wait for the screen's refresh.", off="--no-vsync")
-    # Needs its optional package.
     panel: bool = option(
         True, "Show controls and plots (pip install '.[panel]').", off="--no-panel", study="a study shows no controls"
     )
@@ -195,15 +190,8 @@ class LiveOptions(PipelineOptions):
         study="what was shown is kept in the study's store",
     )
     force: bool = force_field("the study's store overwrites nothing")
-    images_every: int = option(
-        0,
-        "With --out: keep every n-th picture as it was handed over; 0 for none.",
-        valid=Number(),
-        study="'hmdwarp study measure' makes the pictures afterwards, from the traces",
-    )
     reconnect_s: float = _of_display(60.0, "Seconds to wait for a runtime that went away.", valid=Number())
     hang_s: float = _of_display(5.0, "Seconds of silence after which a runtime is given up.", valid=Number(least=0.1))
-    # Where frames come from, if not from here.
     feed: FeedOptions = group(FeedOptions)
     command: str = ""
 
@@ -241,10 +229,6 @@ class LiveOptions(PipelineOptions):
                 "--warp auto in a live run needs a benchmark to choose from: make one by 'hmdwarp bench', give it by "
                 "--bench"
             )
-        if self.images_every and self.out is None:
-            raise InputError(
-                f"--images-every {self.images_every}: there is no folder to keep pictures in; name one by --out"
-            )
 
 
 _LIVE = attrs.fields(LiveOptions)
@@ -261,7 +245,6 @@ class RecordOptions(Declared):
         "Head to record: openxr (a headset), desktop (a window) or synthetic (see --kind).",
         valid=one_of(OPENXR, DESKTOP, SYNTHETIC),
     )
-    # None until Ctrl-C; for a made-up head, the length of its kind.
     seconds: float | None = option(
         None, "Stop after this long; by default at Ctrl-C.", unit="s", valid=Number(above=True)
     )

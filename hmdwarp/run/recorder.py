@@ -43,7 +43,7 @@ class Lines:
         # Each is written by one thread alone, so that counting needs no lock.
         self._added = self._taken = 0
         self._bytes = 0
-        self._error: HmdwarpError | None = None
+        self.error: HmdwarpError | None = None  # why nothing is written any more
         self._writing, self._ending = threading.Lock(), threading.Event()
         self._thread = threading.Thread(target=self._run, name=f"writes {path.name}", daemon=True)
         self._thread.start()
@@ -53,8 +53,8 @@ class Lines:
 
         Errors: MachineError for a disk that is full, gone, or so slow that too much waits.
         """
-        if self._error is not None:
-            raise self._error
+        if self.error is not None:
+            raise self.error
         self._waiting.append(text)
         self._added += len(text)
         if self._added - self._taken > MOST_WAITING:
@@ -72,10 +72,6 @@ class Lines:
             self._writing.release()
         return True
 
-    @property
-    def failed(self) -> bool:
-        return self._error is not None
-
     def close(self) -> None:
         """Write the waiting lines, and close the file; safe to call twice. Errors: as add."""
         if self._file < 0:
@@ -88,8 +84,8 @@ class Lines:
             )
         os.close(self._file)
         self._file = -1
-        if self._error is not None:
-            raise self._error
+        if self.error is not None:
+            raise self.error
 
     def _run(self) -> None:
         while not self._ending.wait(EVERY_S):
@@ -102,7 +98,7 @@ class Lines:
         if not count or self._file < 0:
             return
         text = "".join([self._waiting.popleft() for _ in range(count)])
-        if self._error is None:
+        if self.error is None:
             self._put(text.encode(errors="replace"))
         self._taken += len(text)
 
@@ -116,7 +112,7 @@ class Lines:
             if self._synced:
                 os.fsync(self._file)
         except OSError as error:
-            self._error = write_error(error, self.path)
+            self.error = write_error(error, self.path)
             done = data.rfind(b"\n", 0, done) + 1
             self._cut(self._bytes + done)
         self._bytes += done
@@ -128,7 +124,6 @@ class Lines:
 
 
 LEAST = 2  # one pose is no motion, and no trace reader accepts it
-_TAIL = 4096  # bytes: longer than any row
 
 
 class Recorder:
@@ -219,7 +214,7 @@ class Recorder:
         """Return whether the recording can be read; remove one that cannot."""
         if self.kept >= LEAST:
             return True
-        if self.count < LEAST or self._lines.failed:  # else a slow disk may still take them
+        if self.count < LEAST or self._lines.error is not None:  # else a slow disk may still take them
             with suppress(OSError):
                 if self._begun or not self.path.stat().st_size:  # else an old file that was to be overwritten
                     self.path.unlink()
@@ -237,14 +232,9 @@ class Recorder:
         if self.kept < LEAST:
             came = counted(self.count, "pose") if self.count else "no pose"
             return f"{self.path}: nothing recorded, {came} came{beside}"
-        seconds = (self._last_ns - self._first_ns) * 1e-9
-        if self.kept != self.count:  # from the first pose to the last on the disk
-            with self.path.open("rb") as file:
-                file.seek(-min(_TAIL, file.seek(0, os.SEEK_END)), os.SEEK_END)
-                last = file.read().splitlines()[-1]
-            seconds = (int(last.split(b",")[0]) - self._first_ns) * 1e-9
+        length = f", {(self._last_ns - self._first_ns) * 1e-9:.3f} s" if self.kept == self.count else ""
         acted = f"; {self.inputs_path.name}: {counted(self._inputs.written - 1, 'input')}" if self._inputs else ""
-        return f"{self.path}: {counted(self.kept, 'pose')}, {seconds:.3f} s{acted}{beside}"
+        return f"{self.path}: {counted(self.kept, 'pose')}{length}{acted}{beside}"
 
     def __enter__(self) -> Recorder:
         return self

@@ -29,7 +29,6 @@ from .run import ReplayRun, set_up_replay
 from .run_summary import OWNED, Judge, ReplayLog, ReplayResult, Row, result_of, write_results
 
 _WORST_FRAMES = 6
-# which: 0 for the run itself, then those that it is compared with.
 
 Progress = Callable[[int, int], None]
 
@@ -86,26 +85,18 @@ def replay(
             more |= probe.near_gaze.entry()
             more |= _rated(setup, probe.clips, range(1, 1 + len(setup.options.compared)))
             if probe.clips is not None and "jod" in more:
-                rating = more["jod"]
-                told = [f"ColorVideoVDP rates it {rating['mean']:.2f} JOD, where {TRUTH_JOD:g} is like the truth"]
-                others = zip(
-                    setup.options.compared, rating.get("against", ()), rating.get("preferred", ()), strict=False
-                )
-                for pair, other, share in others:
-                    name = method_name(*pair)
-                    told.append(f"{100 * share:.0f} % of people would prefer it to {name} ({other['mean']:.2f} JOD)")
-                setup.notes.append(f"{'; '.join(told)}. Predicted from the pictures: no one was asked.")
+                told = [f"ColorVideoVDP rates it {more['jod']['mean']:.2f} JOD, where {TRUTH_JOD:g} is like the truth"]
+                others = zip(setup.options.compared, more["jod"].get("against", ()), strict=False)
+                told += [f"{method_name(*pair)} {other['mean']:.2f}" for pair, other in others]
+                setup.notes.append(f"{', '.join(told)}. Predicted from the pictures: no one was asked.")
             result = result_of(setup, log, compared, more, probe.without_truth)
         verdict = write_results(out, log, result, compared, pool, options.command, judge)
         return attrs.evolve(result, verdict=verdict)
 
 
 def _write_delays(setup: ReplayRun, out: OutputFolder) -> None:
-    """Write delays.csv: what --delay-trace takes to show the same frames at the same ages again.
-
-    That replay begins to draw as long before the first shown refresh as the longest delay; what was
-    drawn here before is left out.
-    """
+    """Write delays.csv: what --delay-trace takes to show the same frames at the same ages again."""
+    # That replay begins to draw as long before the first shown refresh as the longest delay.
     schedule = setup.schedule
     start_s = (schedule.first_ns - setup.trace.track.start_ns) * 1e-9
     remote = setup.source.remote
@@ -214,7 +205,7 @@ def _rated(setup: ReplayRun, clips: Clips | None, others: Sequence[int] = ()) ->
         setup.notes.append(clips.failure)
         return {"jod_failure": clips.failure}
     against = {"against": [clips.entry(other) for other in others]} if others else {}
-    return {"jod": clips.entry(MAIN, others) | against}
+    return {"jod": clips.entry(MAIN) | against}
 
 
 def _figures(pool: QualityPool, which: int) -> dict[tuple[int, int], Row]:

@@ -197,7 +197,18 @@ class Run(Generic[Options]):
         self.requested, self.target = requested, target
         self.sizes = eye_sizes(requested.guard, target.eyes, requested.size)
         check_held(target.gpu, options, needs, self.sizes, rate_hz)
-        self._check_decoder()
+        if options.client_name and not codecs.get(options.coding.codec).is_none:  # it decodes as fast as frames come
+            client = load_client(options.client_name)
+            weights = frame_bytes(
+                needs_of(self.plans), self.sizes, {name for plan in self.plans for name in plan.layers}
+            )
+            frame_mpx = video_pixels(weights) * 1e-6
+            if frame_mpx * rate_hz > client.decoder_mpx_s:
+                raise InputError(
+                    f"frames of {frame_mpx:.1f} Mpx at {rate_hz:g} Hz are {frame_mpx * rate_hz:.0f} Mpx/s to decode: "
+                    f"client '{client.name}' decodes {client.decoder_mpx_s:g}; use a smaller --size or --guard, or "
+                    "another client"
+                )
         with ExitStack() as unfinished:
             unfinished.callback(self.close)
             self.server = source.renderer(target.gpu, options, moment_of)
@@ -225,20 +236,6 @@ class Run(Generic[Options]):
             self.loop = Loop(requested, frames, self.channel, history, self.auto or each[0], target.eyes, changes)
             unfinished.pop_all()
         return self
-
-    def _check_decoder(self) -> None:
-        """Check that the client decodes as fast as frames come. Errors: InputError."""
-        options, plans, rate_hz = self.options, self.plans, self.target.rate_hz
-        if not options.client_name or codecs.get(options.coding.codec).is_none:
-            return
-        weights = frame_bytes(needs_of(plans), self.sizes, {name for plan in plans for name in plan.layers})
-        client, needed = load_client(options.client_name), video_pixels(weights) * rate_hz * 1e-6
-        if needed > client.decoder_mpx_s:
-            raise InputError(
-                f"frames of {video_pixels(weights) * 1e-6:.1f} Mpx at {rate_hz:g} Hz are {needed:.0f} Mpx/s to decode: "
-                f"client '{client.name}' decodes {client.decoder_mpx_s:g}; use a smaller --size or --guard, or another "
-                "client"
-            )
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with the run."""

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 import os
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from ..link import ResponseTime, TransitStats, figures_of_parts
 from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference, metrics_in_order
 from ..pipeline import Refresh
 from ..pipeline.sizes import rendered_entry
-from ..poses import PoseSample, PoseTrack, quaternions
+from ..poses import PoseTrack, quaternions
 from ..poses.assumptions import Assumption, assumption_rows
 from ..report import (
     DIFF_PAGE,
@@ -32,9 +31,10 @@ from ..report import (
     Panel,
     StoredRun,
     WorstFrame,
+    columns_of,
     digests,
+    in_a_row,
     labelled_strip,
-    panels_of,
     render_report,
     summary_html,
 )
@@ -48,11 +48,9 @@ _APART_NS = 500_000_000  # after a longer break the speed between two pictures i
 Speeds = tuple[float | None, float | None]
 
 
-def _speeds_at(track: PoseTrack, time_ns: int) -> Speeds:
-    """Return angular speed in deg/s and linear speed in m/s, by central differences over 10 ms."""
-    before, after = track.at(time_ns - _HALF_NS).pose, track.at(time_ns + _HALF_NS).pose
+def _speeds(before: Pose, after: Pose, seconds: float) -> Speeds:
+    """Return angular speed in deg/s and linear speed in m/s."""
     turned = quaternions.angle_between(before.orientation_xyzw, after.orientation_xyzw)
-    seconds = 2 * _HALF_NS * 1e-9
     return float(np.degrees(turned) / seconds), float(np.linalg.norm(after.position_m - before.position_m) / seconds)
 
 
@@ -60,16 +58,7 @@ def speeds_between(before: Refresh | None, now: Refresh) -> Speeds:
     """Return both speeds between two pictures; None for the first picture and after a break."""
     if before is None or not 0 < now.shown_ns - before.shown_ns <= _APART_NS:
         return None, None
-    seconds = (now.shown_ns - before.shown_ns) * 1e-9
-    a, b = before.head.pose, now.head.pose
-    turned = angle_between(a.orientation_xyzw.tolist(), b.orientation_xyzw.tolist())
-    return math.degrees(turned) / seconds, math.dist(a.position_m.tolist(), b.position_m.tolist()) / seconds
-
-
-def angle_between(a: Sequence[float], b: Sequence[float]) -> float:
-    """Return `poses.quaternions.angle_between` of two, in plain floats: 1 us instead of 20."""
-    apart, together = math.dist(a, b), math.dist(a, [-value for value in b])
-    return 4 * math.atan2(min(apart, together), max(apart, together))
+    return _speeds(before.head.pose, now.head.pose, (now.shown_ns - before.shown_ns) * 1e-9)
 
 
 MOST_FRAMES = 12
@@ -112,53 +101,31 @@ STAGE_COLUMNS = ("warp_ms", "fill_ms", "effects_ms", "lens_ms", "total_ms")
 _NAMES = {prefix: tuple(f"{prefix}_{part}" for part in POSE_PARTS) for prefix in ("shown", "drawn")}
 
 
-@attrs.frozen(eq=False)
-class Moment:
-    """One refresh, except for the times of each eye's passes."""
+def row_of(number: int, refresh: Refresh, start_ns: int, speeds: Speeds, submitted_ns: int | None = None) -> Row:
+    """Return the columns of a refresh that both eyes share; start_ns: the origin of time.
 
-    # The columns that figures and charts use, by name; None: not known, or not defined for the
-    # first picture.
-    figures: Row
-    # See Frame.
-    shows_ns: int
-    # The head as it was shown, and that which the frame was drawn for.
-    shown: PoseSample
-    drawn: PoseSample | None
-    # How many eyes were shown.
-    eyes: int
-
-    @classmethod
-    def of(
-        cls, number: int, refresh: Refresh, start_ns: int, speeds: Speeds, submitted_ns: int | None = None
-    ) -> Moment:
-        """Return the moment of a refresh; start_ns: the origin of time."""
-        head, frame, plan = refresh.head, refresh.frame, refresh.plan
-        figures = {
-            "frame": number,
-            "time_s": (refresh.shown_ns - start_ns) * 1e-9,
-            "shown_ns": refresh.shown_ns,
-            "drawn_ns": frame.drawn_ns,
-            "age_ms": refresh.age_ns * 1e-6,
-            # From reading the head pose to submitting the picture.
-            "pose_age_ms": None
-            if submitted_ns is None or head.read_ns is None
-            else (submitted_ns - head.read_ns) * 1e-6,
-            "pose_origin": head.origin.name.lower(),
-            "angular_speed_deg_s": speeds[0],
-            "linear_speed_m_s": speeds[1],
-            "warp": str(plan.choice),
-            "fill": plan.fill,
-        }
-        return cls(figures, frame.shows_ns, head, frame.head, len(refresh.eyes))
-
-    def poses(self) -> Row:
-        """Return the columns of both poses, by name."""
-        columns: Row = {}
-        for which, head in (("shown", self.shown), ("drawn", self.drawn)):
-            if head is not None:
-                values = (*head.pose.position_m.tolist(), *head.pose.orientation_xyzw.tolist())
-                columns |= dict(zip(_NAMES[which], values, strict=True))
-        return columns if self.drawn is None else {**columns, "drawn_origin": self.drawn.origin.name.lower()}
+    None: not known, or not defined for the first picture.
+    """
+    head, frame, plan = refresh.head, refresh.frame, refresh.plan
+    row: Row = {
+        "frame": number,
+        "time_s": (refresh.shown_ns - start_ns) * 1e-9,
+        "shown_ns": refresh.shown_ns,
+        "drawn_ns": frame.drawn_ns,
+        "age_ms": refresh.age_ns * 1e-6,
+        # From reading the head pose to submitting the picture.
+        "pose_age_ms": None if submitted_ns is None or head.read_ns is None else (submitted_ns - head.read_ns) * 1e-6,
+        "pose_origin": head.origin.name.lower(),
+        "angular_speed_deg_s": speeds[0],
+        "linear_speed_m_s": speeds[1],
+        "warp": str(plan.choice),
+        "fill": plan.fill,
+    }
+    for which, sample in (("shown", head), ("drawn", frame.head)):
+        if sample is not None:
+            values = (*sample.pose.position_m.tolist(), *sample.pose.orientation_xyzw.tolist())
+            row |= dict(zip(_NAMES[which], values, strict=True))
+    return row if frame.head is None else {**row, "drawn_origin": frame.head.origin.name.lower()}
 
 
 def stage_columns(stages: Stages) -> Row:
@@ -180,26 +147,26 @@ _NOT_MEASURED = dict.fromkeys(QUALITY)
 
 
 class ReplayLog:
-    """Rows and response times of a replay; poses become columns only when written."""
+    """Rows and response times of a replay."""
 
     def __init__(self, track: PoseTrack) -> None:
         self._track = track
-        # Two for each refresh; figures are made from them.
+        # Two for each refresh, keyed as frames.csv.
         self.rows: list[Row] = []
         # One for each refresh.
         self.responses: list[ResponseTime] = []
         self.timeline = Timeline()
-        # One for each refresh.
-        self.moments: list[Moment] = []
+        # When each refresh was seen, what instant its frame shows, and the head.
+        self.seen: list[tuple[int, int, Pose]] = []
 
     def add(self, refresh: Refresh) -> None:
-        speeds = _speeds_at(self._track, refresh.shown_ns)
-        moment = Moment.of(len(self.moments), refresh, self._track.start_ns, speeds)
-        self.moments.append(moment)
+        # By central differences over 10 ms.
+        before, after = (self._track.at(refresh.shown_ns + step_ns).pose for step_ns in (-_HALF_NS, _HALF_NS))
+        row = row_of(len(self.seen), refresh, self._track.start_ns, _speeds(before, after, 2 * _HALF_NS * 1e-9))
+        self.seen.append((refresh.shown_ns, refresh.frame.shows_ns, refresh.head.pose))
         self.responses.append(refresh.response)
         self.timeline.add(refresh)
-        for eye, stages in enumerate(refresh.stage_ms):
-            self.rows.append({**moment.figures, "eye": eye, **stage_columns(stages)})
+        self.rows += [{**row, "eye": eye, **stage_columns(stages)} for eye, stages in enumerate(refresh.stage_ms)]
 
     def measured(self, figures: Mapping[tuple[int, int], Row]) -> None:
         """Add the figures of the measured refreshes, by (frame, eye)."""
@@ -213,11 +180,6 @@ class ReplayLog:
             for row in self.rows
             if (key := (row["frame"], row["eye"])) in times
         ]
-
-    def frames_csv(self) -> Iterator[Row]:
-        """Yield the rows with the columns of report.FRAME_COLUMNS; both eyes share the poses."""
-        for row in self.rows:
-            yield {**row, **self.moments[row["frame"]].poses()}
 
 
 @attrs.define(eq=False)
@@ -382,8 +344,8 @@ def result_of(
         answers = Answers(first_ns)
         for event in setup.source.scene.inputs:
             answers.add(event)
-        for moment in log.moments:
-            answers.see(moment.figures["shown_ns"], moment.shows_ns)
+        for shown_ns, shows_ns, _ in log.seen:
+            answers.see(shown_ns, shows_ns)
         setup.notes.append(answers.note())
         more = {**more, "input": answers.entry()}
     summary = summary_of_rows(setup, (options.warp, options.fill, options.lens), rows)
@@ -394,7 +356,7 @@ def result_of(
         "timeline": log.timeline.as_list(),
     }
     summary |= more
-    shown = [(moment.figures["shown_ns"], moment.shown.pose) for moment in log.moments]
+    shown = [(shown_ns, pose) for shown_ns, _, pose in log.seen]
     facts, about = setup.server.truth_facts(shown, without_truth, setup.pixels_per_degree, own_head=not options.trace)
     summary |= facts
     if about:
@@ -429,16 +391,16 @@ def write_results(
 
         def write_strip(kept: Kept) -> tuple[str, list[Panel]]:
             number, eye, _ = kept.key
-            name, panels = f"images/frame-{number:06d}-{names[eye]}.png", panels_of(kept)
+            name, panels = f"images/frame-{number:06d}-{names[eye]}.png", in_a_row(columns_of(kept))
             out.write_png(name, labelled_strip(panels))
             return name, panels
 
         def digested() -> dict[str, Any]:
-            return digests([*log.frames_csv()], dict(strip.result() for strip in strips))
+            return digests(log.rows, dict(strip.result() for strip in strips))
 
         names = EYES if result.summary.get("eyes", 2) == 2 else ("camera",)
         strips = [encoders.submit(write_strip, kept) for kept in pool.kept]
-        out.write_csv("frames.csv", log.frames_csv(), FRAME_COLUMNS)
+        out.write_csv("frames.csv", log.rows, FRAME_COLUMNS)
         time_s = {row["frame"]: row["time_s"] for row in result.rows}
         verdict = None
         if judge is not None:
@@ -452,7 +414,10 @@ def write_results(
             result.against,
             rows=result.rows,
             baselines_rows=compared,
-            worst=[WorstFrame.of(time_s[kept.key[0]], kept.key[1], kept) for kept in pool.worst],
+            worst=[
+                WorstFrame(time_s[kept.key[0]], kept.key[1], columns_of(kept), kept.result.values)
+                for kept in pool.worst
+            ],
             command=command,
             notes=result.summary["notes"],
             gate=verdict.section() if verdict is not None else None,

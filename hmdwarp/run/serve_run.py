@@ -158,27 +158,6 @@ def _samples(name: str, source: Source) -> dict[str, list[list[float]]]:
     return {"samples": np.column_stack([seconds, track.position_m, track.orientation_xyzw]).tolist()}
 
 
-class _Coders:
-    """The streams of the clients that request coded frames, as long as they are connected."""
-
-    def __init__(self, listener: Listener) -> None:
-        self._listener = listener
-        self._of: dict[bytes, FeedEncoder] = {}
-
-    def coded(self, asked: Asked, frame: message.FrameMessage) -> message.FrameMessage:
-        """Return the frame as its client would have it. Errors: MachineError without the codec."""
-        for gone in [who for who in self._of if who not in self._listener.clients]:
-            del self._of[gone]
-        found = self._of.pop(asked.client, None)
-        if found is None or not found.suits(asked.ask):
-            found = FeedEncoder(asked.ask)
-        coded = found.encode(frame)
-        self._of[asked.client] = found  # not where that failed: its eyes may be at different places
-        while sum(coder.bytes for coder in self._of.values()) > _MOST_CODED_BYTES and len(self._of) > 1:
-            del self._of[next(iter(self._of))]
-        return coded
-
-
 @attrs.define(eq=False)
 class _Session:
     """What a client has of layers that build on the frames before, as far as it has told."""
@@ -193,6 +172,8 @@ class _Session:
     book: InputBook = attrs.field(factory=InputBook)
     # Whether the log says that nothing reacts to it.
     is_told: bool = False
+    # Of one that requests coded frames.
+    encoder: FeedEncoder | None = None
 
     def remember(self, number: int, frame: Frame) -> None:
         """Remember a frame that is about to be sent, without its content."""
@@ -211,7 +192,8 @@ class _Answers:
     """Frames for the clients, each with its session as long as it is connected."""
 
     def __init__(self, listener: Listener, server: Renderer, draw: Draw) -> None:
-        self._listener, self._server, self._draw, self._coders = listener, server, draw, _Coders(listener)
+        self._listener, self._server, self._draw = listener, server, draw
+        # By client, who was answered last at the end.
         self._sessions: dict[bytes, _Session] = {}
 
     def _session(self, asked: Asked) -> _Session:
@@ -220,11 +202,13 @@ class _Answers:
         for gone in [who for who in sessions if who not in self._listener.clients]:
             server.forget(gone)
             del sessions[gone]
-        told, found = asked.ask.session or message.Session(0), sessions.get(asked.client)
+        told, found = asked.ask.session or message.Session(0), sessions.pop(asked.client, None)
         if found is None or found.number != told.number:
             server.begin_anew(asked.client)
             changes = Changes(server.scene, server.content) if told.only_changes else None
-            found = sessions[asked.client] = _Session(told.number, asked.ask.number, changes)
+            encoder = None if found is None else found.encoder
+            found = _Session(told.number, asked.ask.number, changes, encoder=encoder)
+        sessions[asked.client] = found
         if (log := server.scene.inputs) is not None:  # the scene turns to the session's history
             bounds.KEPT_INPUTS.check(len(found.book) + len(asked.ask.inputs))
             log.book = found.book
@@ -280,9 +264,20 @@ class _Answers:
         takes |= {"takes_fovea": not is_recorded, "takes_inputs": server.reacts_to(asked.client)}
         began = session.began & 0xFFFF
         drawn = message.FrameMessage(*times, views, colours, depths, layers=further, began=began, **takes)
-        coded = self._coders.coded(attrs.evolve(asked, ask=ask), drawn)
+        coded = self._coded(session, ask, drawn)
         sent_ns = time.monotonic_ns()
         listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))
+
+    def _coded(self, session: _Session, ask: message.Ask, frame: message.FrameMessage) -> message.FrameMessage:
+        """Return the frame as its client would have it. Errors: MachineError without the codec."""
+        encoder, session.encoder = session.encoder, None  # none where it fails: its eyes may be at different places
+        if encoder is None or not encoder.suits(ask):
+            encoder = FeedEncoder(ask)
+        coded, session.encoder = encoder.encode(frame), encoder
+        every = [one for one in self._sessions.values() if one.encoder is not None]
+        while sum(one.encoder.bytes for one in every if one.encoder) > _MOST_CODED_BYTES and len(every) > 1:
+            every.pop(0).encoder = None
+        return coded
 
 
 def _check_bytes(ask: message.Ask, needs: Needs, *, is_software: bool) -> None:

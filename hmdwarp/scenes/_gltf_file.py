@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import base64
 import binascii
-import importlib
 import io
 import struct
 from pathlib import Path
@@ -23,11 +22,9 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, SceneError
 from ..options.documents import DocumentError, parse_json
-from ..options.named_files import GLTF, SCENE, content_of, most_unpacked
-from ..resources import install_line
+from ..options.named_files import GLTF, SCENE, content_of
 from ._draft import Notes, read_beside, rgba_of
 
-SPECULAR = "KHR_materials_pbrSpecularGlossiness"
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
 _LONGEST_NAME = 1000  # characters of a path
 _HEADERS = 20  # bytes of the header of a GLB, and of that of its first chunk
@@ -42,7 +39,6 @@ class GltfFile:
     path: Path
     header: dict[str, Any]  # the JSON
     buffers: tuple[bytes, ...]  # the bytes of each buffer
-    unpacked: dict[int, NDArray[Any]] = attrs.field(factory=dict)  # of accessors that came compressed
     lists: dict[str, list[dict[str, Any]]] = attrs.field(factory=dict, init=False)  # by kind, once they are checked
 
     @classmethod
@@ -56,19 +52,11 @@ class GltfFile:
     @classmethod
     def parse(cls, path: Path, data: bytes) -> GltfFile:
         """Split the bytes of a GLB into its chunks; errors, as those of `read`, name `path`."""
-        if data[:4] != struct.pack("<I", _MAGIC):
-            raise _no_glb(path, f"it begins with {data[:4]!r}", "b'glTF'")
-        if len(data) < _HEADERS:
-            raise _no_glb(path, f"it ends after {len(data)} bytes", f"{_HEADERS} of headers at least")
-        _, version, _, length, kind = struct.unpack_from("<5I", data)
-        if version != 2:
-            raise _no_glb(path, f"version {version} at byte 4", "2")
-        if kind != _JSON:
-            raise _no_glb(path, f"a chunk {data[16:20]!r} at byte 16", "b'JSON'")
+        magic, version, _, length, kind = struct.unpack("<5I", data[:_HEADERS].ljust(_HEADERS, b"\0"))
         start, binary = _HEADERS + length, b""
-        if start > len(data):
-            ends = f"its JSON of {length} bytes ends at byte {start}"
-            raise _no_glb(path, ends, f"{len(data)}, the file's end, at most")
+        if (magic, version, kind) != (_MAGIC, 2, _JSON) or start > len(data):
+            found = f"{len(data)} bytes that begin with {data[:_HEADERS]!r}"
+            raise SceneError(f"{path}: no GLB 2.0 file: {found}; expected b'glTF', 2 and whole JSON; export it again")
         header = _header_of(path, data[_HEADERS:start])
         if start + 8 <= len(data):
             length, kind = struct.unpack_from("<2I", data, start)
@@ -81,10 +69,8 @@ class GltfFile:
         bare = cls(path, header, ())
         found, left = [], SCENE.most_bytes
         for index, buffer in enumerate(bare.items("buffers")):
-            if "uri" in buffer:
-                found.append(bare.bytes_at(buffer["uri"], f"buffer {index}"))
-            else:
-                found.append(binary or b"" if index == 0 else b"")
+            own = binary or b"" if index == 0 else b""
+            found.append(bare.bytes_at(buffer["uri"], f"buffer {index}") if "uri" in buffer else own)
             left -= len(found[-1])
             if left < 0:
                 raise bare.error(f"buffers of more than {SCENE.most_bytes} bytes; expected fewer: simplify the scene")
@@ -148,12 +134,10 @@ class GltfFile:
         if not (isinstance(kind, int) and kind in _NUMBERS and width and isinstance(count, int) and count >= 0):
             found = f"component {kind}, {accessor.get('type')}"
             raise self.error(f"{user}: accessor {index} is of an unsupported kind ({found})")
-        rows = self.unpacked.get(index) if isinstance(index, int) else None
-        if rows is None:
-            name = f"{user}: accessor {index}"
-            rows = self._rows(accessor, kind, (count, width), name)
-            if "sparse" in accessor:
-                rows = self._replaced(rows, accessor, name)
+        name = f"{user}: accessor {index}"
+        rows = self._rows(accessor, kind, (count, width), name)
+        if "sparse" in accessor:
+            rows = self._replaced(rows, accessor, name)
         if columns is not None and rows.shape[1] != columns:
             raise self.error(f"{user}: accessor {index} has {rows.shape[1]} numbers per element, expected {columns}")
         if accessor.get("normalized") and rows.dtype.kind in "iu":
@@ -215,10 +199,6 @@ class GltfFile:
             raise self.damaged(f"{what}; expected PNG, JPEG or WebP") from error
 
 
-def _no_glb(path: Path, found: str, wanted: str) -> SceneError:
-    return SceneError(f"{path}: no GLB 2.0 file: {found}, expected {wanted}; export it again")
-
-
 def _header_of(path: Path, text: bytes) -> dict[str, Any]:
     if len(text) > GLTF.most_bytes:
         raise SceneError(f"{path}: its JSON has {len(text)} bytes; expected at most {GLTF.most_bytes}; export it again")
@@ -233,15 +213,14 @@ def _header_of(path: Path, text: bytes) -> dict[str, Any]:
     return header
 
 
-POINTER, DRACO, INSTANCING = "KHR_animation_pointer", "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing"
-LIGHTS, KTX2, VISIBILITY = "KHR_lights_punctual", "KHR_texture_basisu", "KHR_node_visibility"
-READ = {POINTER, DRACO, INSTANCING, LIGHTS, SPECULAR, VISIBILITY, "EXT_texture_webp", "KHR_mesh_quantization"}
-READ |= {f"KHR_materials_{name}" for name in ("emissive_strength", "transmission", "unlit")} | {"KHR_texture_transform"}
-_COPY = "gltf-transform copy"
-_TOOLS = dict.fromkeys((DRACO, "EXT_meshopt_compression", "KHR_meshopt_compression"), _COPY)
-_TOOLS[KTX2] = "gltf-transform ktxdecompress"
+POINTER, LIGHTS, VISIBILITY = "KHR_animation_pointer", "KHR_lights_punctual", "KHR_node_visibility"
+KTX2 = "KHR_texture_basisu"
+_READ = {POINTER, LIGHTS, VISIBILITY, "EXT_texture_webp", "KHR_mesh_quantization", "KHR_texture_transform"}
+_READ |= {f"KHR_materials_{name}" for name in ("emissive_strength", "transmission", "unlit")}
 # They describe the file, not the picture; images that are in no other format are noted one by one.
 _SILENT = {"KHR_xmp", "KHR_xmp_json_ld", KTX2}
+_TOOLS = {KTX2: "ktxdecompress", "KHR_materials_pbrSpecularGlossiness": "metalrough"}  # commands of glTF Transform
+_TOOLS |= dict.fromkeys(("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"), "copy")
 
 
 def check_extensions(file: GltfFile, notes: Notes) -> None:
@@ -250,96 +229,13 @@ def check_extensions(file: GltfFile, notes: Notes) -> None:
     for kind, found in lists.items():
         if not isinstance(found, list) or not all(isinstance(name, str) for name in found):
             raise file.damaged(f"its '{kind}' are not a list of names")
+    own = f"{file.path.name} {file.path.stem}-plain.glb"
+    how = {name: f"'gltf-transform {tool} {own}' removes it" for name, tool in _TOOLS.items()}
     required, used = map(dict.fromkeys, lists.values())
-    missing = [name for name in required if name not in READ]
-    if DRACO in required and _draco() is None:
-        missing.insert(0, DRACO)
+    missing = [name for name in required if name not in _READ]
     if missing:
-        own, said = f"{file.path.name} {file.path.stem}-plain.glb", []
-        for name in missing:
-            how = f", which is not read: '{_TOOLS[name]} {own}' removes it" if name in _TOOLS else ""
-            if name == DRACO:
-                how = f": install its decoder ({install_line('draco')}), or remove it with '{_COPY} {own}'"
-            said.append(f"needs {name}{how or ', which is not read: export it without'}")
+        said = (f"needs {name}, which is not read: {how.get(name, 'export it without')}" for name in missing)
         raise file.error("; ".join(said))
-    left = [name for name in used if name not in READ | _SILENT]
+    left = [f"{name} ({how[name]})" if name in how else name for name in used if name not in _READ | _SILENT]
     if left:
         notes.add(f"extensions are left out, and the file does not need them: {', '.join(left)}")
-
-
-def _draco() -> Any:
-    """Return its decoder, None where that cannot be imported, installed or not."""
-    try:
-        return importlib.import_module("DracoPy")
-    except ImportError:
-        return None
-
-
-def unpack_draco(file: GltfFile, primitive: dict[str, Any], user: str, notes: Notes) -> None:
-    """Decode a primitive that Draco packed. Source: Khronos 2019, KHR_draco_mesh_compression."""
-    packed = (primitive.get("extensions") or {}).get(DRACO)
-    if packed is None:
-        return
-    if (draco := _draco()) is None:  # not required, so there is a plain copy too
-        notes.add(f"{DRACO} is not unpacked ({install_line('draco')}); the plain copy in the file is used")
-        return
-    data_in = file.view(file.item("bufferViews", packed.get("bufferView"), user))
-    try:
-        if (size := _draco_bytes(data_in)) > (most := 8 * most_unpacked(len(data_in))):  # planes pack 330:1
-            raise file.error(f"{user}: {size} bytes, unpacked, of Draco; expected at most {most}: export it without")
-        mesh = draco.decode(data_in)
-        data = {part["unique_id"]: np.asarray(part["data"]) for part in mesh.attributes}
-        for name, number in packed["attributes"].items():
-            rows = data[number]
-            file.unpacked[primitive["attributes"][name]] = rows.reshape(len(rows), -1)
-        if "indices" in primitive:
-            file.unpacked[primitive["indices"]] = np.asarray(mesh.faces, np.uint32).reshape(-1, 1)
-    except SceneError:
-        raise
-    except Exception as error:  # a damaged stream: DracoPy raises what it likes
-        raise file.damaged(f"{user}: its Draco data cannot be decoded ({type(error).__name__})") from error
-
-
-def _draco_bytes(data: bytes) -> int:
-    """Return what a packed mesh (Draco's bitstream 2.2, sections 3 and 4) says that it takes."""
-    magic, version, kind, method, flags = data[:5], data[5:7], data[7], data[8], data[9] | data[10] << 8
-    if magic != b"DRACO" or version != b"\x02\x02" or kind != 1 or method > 1 or flags & 1 << 15:
-        raise ValueError("expected a mesh of version 2.2 without metadata")
-    found, at = [0, 0], 11 + method  # varints: faces and points, or where edges are followed points and faces
-    for which in (0, 1):
-        for shift in range(0, 64, 7):
-            found[which] |= (data[at] & 127) << shift
-            at += 1
-            if data[at - 1] < 128:
-                break
-    faces, points = found if method == 0 else found[::-1]
-    return 12 * faces + 32 * points  # three indices, eight numbers
-
-
-def instances_of(file: GltfFile, node: dict[str, Any], user: str) -> np.ndarray | None:
-    """Return (n, 4, 4) node_from_instance of a node that is drawn several times, else None.
-
-    Source: Khronos 2021, EXT_mesh_gpu_instancing.
-    """
-    from scipy.spatial.transform import Rotation
-
-    found = (node.get("extensions") or {}).get(INSTANCING)
-    if found is None:
-        return None
-    attributes, widths = found.get("attributes") or {}, {"TRANSLATION": 3, "ROTATION": 4, "SCALE": 3}
-    known = [(name, width) for name, width in widths.items() if name in attributes]
-    parts = {name: file.numbers(attributes[name], user, width).astype(np.float64) for name, width in known}
-    counts = {len(rows) for rows in parts.values()}
-    if len(counts) != 1 or not all(np.isfinite(rows).all() for rows in parts.values()):
-        raise file.damaged(f"{user}: instances without one finite place, turn and size each")
-    (count,) = counts
-    matrices = np.tile(np.eye(4), (count, 1, 1))
-    if "ROTATION" in parts and count:
-        if (np.linalg.norm(parts["ROTATION"], axis=1) < 1e-6).any():
-            raise file.damaged(f"{user}: an instance's rotation has length 0")
-        matrices[:, :3, :3] = Rotation.from_quat(parts["ROTATION"]).as_matrix()
-    if "SCALE" in parts:
-        matrices[:, :3, :3] *= parts["SCALE"][:, None, :]
-    if "TRANSLATION" in parts:
-        matrices[:, :3, 3] = parts["TRANSLATION"]
-    return matrices

@@ -1,9 +1,6 @@
 """A glTF file as parts of a scene: its materials, meshes and lamps where they stand and move.
 
-Materials of specular and glossiness become those of metal and roughness, which glTF has today.
-Source: Khronos 2021, glTF 2.0 Specification; Khronos 2018, KHR_lights_punctual; Khronos 2017,
-KHR_materials_pbrSpecularGlossiness, its example of a conversion
-(https://github.com/KhronosGroup/glTF/tree/main/extensions/2.0/Archived).
+Source: Khronos 2021, glTF 2.0 Specification; Khronos 2018, KHR_lights_punctual.
 """
 
 from __future__ import annotations
@@ -20,7 +17,7 @@ from ..colour import linear_from_srgb, srgb8_from_linear
 from ..errors import SceneError
 from ..geometry import Pose
 from ._draft import MOST_TRIANGLES, Draft, Look, Notes, normals_of
-from ._gltf_file import KTX2, LIGHTS, SPECULAR, VISIBILITY, GltfFile, check_extensions, instances_of, unpack_draco
+from ._gltf_file import KTX2, LIGHTS, VISIBILITY, GltfFile, check_extensions
 from ._gltf_nodes import Driven, NodeMotion, Nodes, is_rigid, skinned
 from ._mesh import Body, Emission, Material, Texture
 from ._scene import Lamp
@@ -30,56 +27,6 @@ from .options import numbered
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8] | None
 _Gltf = dict[str, Any]  # an object of the file's JSON
-_DIELECTRIC = 0.04  # the specular colour of every glTF material that is not a metal
-_BRIGHTNESS = np.array([0.299, 0.587, 0.114])
-
-
-def as_metal(found: _Gltf, diffuse_image: Image, specular_image: Image) -> tuple[_Gltf, Image]:
-    """Return `pbrMetallicRoughness` and the picture of its base colour, None for none.
-
-    found: the extension of a material, whose two (h, w, 4) pictures follow.
-    """
-    factor = np.array(found.get("diffuseFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
-    specular = np.array(found.get("specularFactor", (1.0, 1.0, 1.0)), np.float64)
-    if factor.shape != (4,) or specular.shape != (3,):
-        return {"baseColorFactor": found.get("diffuseFactor")}, None  # refused as any wrong base colour
-    size = next((image.shape[:2] for image in (diffuse_image, specular_image) if image is not None), (1, 1))
-    base, metallic = _base_of(factor[:3] * _linear(diffuse_image, size), specular * _linear(specular_image, size))
-    rough = 1 - float(found.get("glossinessFactor", 1.0))
-    surface: _Gltf = {"metallicFactor": float(metallic.mean()), "roughnessFactor": rough}
-    if specular_image is not None:
-        surface["roughnessFactor"] = max(rough, 0.5)  # rough here and there, so never a mirror
-    if diffuse_image is None and specular_image is None:
-        return surface | {"baseColorFactor": [*base[0, 0].tolist(), factor[3]]}, None
-    alpha = np.full((*size, 1), 255, np.uint8) if diffuse_image is None else diffuse_image[..., 3:]
-    image = np.concatenate([srgb8_from_linear(base), alpha], axis=2)
-    return surface | {"baseColorFactor": [1.0, 1.0, 1.0, factor[3]]}, image
-
-
-def _linear(image: Image, size: tuple[int, int]) -> Array:
-    from PIL import Image as Pictures
-
-    if image is None:
-        return np.ones((1, 1, 3))
-    if image.shape[:2] != size:
-        image = np.asarray(Pictures.fromarray(image).resize(size[::-1], Pictures.Resampling.BILINEAR))
-    return linear_from_srgb(image[..., :3]).astype(np.float64)
-
-
-def _base_of(diffuse: Array, specular: Array) -> tuple[Array, Array]:
-    diffuse, specular = np.broadcast_arrays(diffuse, specular)
-    bright_diffuse, bright = (np.sqrt((colour**2 @ _BRIGHTNESS)[..., None]) for colour in (diffuse, specular))
-    left = 1 - specular.max(axis=2, keepdims=True)
-    # The share of metal at which both brightnesses come out.
-    b = bright_diffuse * left / (1 - _DIELECTRIC) + bright - 2 * _DIELECTRIC
-    root = np.sqrt(np.maximum(b**2 - 4 * _DIELECTRIC * (_DIELECTRIC - bright), 0))
-    metallic = np.where(bright < _DIELECTRIC, 0.0, np.clip((root - b) / (2 * _DIELECTRIC), 0, 1))
-    of_diffuse = diffuse * left / (1 - _DIELECTRIC) / np.maximum(1 - metallic, 1e-6)
-    of_specular = (specular - _DIELECTRIC * (1 - metallic)) / np.maximum(metallic, 1e-6)
-    share = metallic**2
-    return np.clip(of_diffuse * (1 - share) + of_specular * share, 0, 1), metallic
-
-
 _WHITE = np.full((1, 1, 3), 255, np.uint8)
 _REPEAT, _CLAMP = 10497, 33071  # wrapS and wrapT of a sampler
 
@@ -100,8 +47,8 @@ class Looks:
         return self._made[key]
 
     def _look(self, gltf: _Gltf, name: str, head_locked: bool) -> Look | None:
-        gltf, image = self._surface(gltf, name)
         plain = gltf.get("pbrMetallicRoughness") or {}
+        image = self._image(plain.get("baseColorTexture") or {}, name)
         factor = np.array(plain.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
         if factor.shape != (4,) or not np.isfinite(factor).all():
             raise self._file.damaged(f"{name}: base colour {plain.get('baseColorFactor')!r} is not four finite numbers")
@@ -137,20 +84,6 @@ class Looks:
         glow = glow if emission is None else np.zeros(3)
         colour = np.clip(factor[:3], 0, None)
         return Look(colour, texture, material, both, coordinates, moved, unlit, glow, mode != "OPAQUE")
-
-    def _surface(self, gltf: _Gltf, name: str) -> tuple[_Gltf, Image]:
-        """Return the material by metal and roughness, and the picture of its base colour."""
-        found = (gltf.get("extensions") or {}).get(SPECULAR)
-        if found is None:
-            return gltf, self._image((gltf.get("pbrMetallicRoughness") or {}).get("baseColorTexture") or {}, name)
-        infos = [found.get(key) or {} for key in ("diffuseTexture", "specularGlossinessTexture")]
-        images = [self._image(info, name) for info in infos]
-        if all(image is not None for image in images) and _place_of(infos[0]) != _place_of(infos[1]):
-            self._notes.add("a specular picture with texture coordinates of its own is drawn at its mean", name)
-            images[1] = _mean_of(images[1])
-        surface, image = as_metal(found, images[0], images[1])
-        info = next((info for info, one in zip(infos, images, strict=True) if one is not None), {})
-        return gltf | {"pbrMetallicRoughness": surface | {"baseColorTexture": info}}, image
 
     def _emission(
         self, gltf: _Gltf, name: str, material: Material, base: _Gltf, *, is_pictured: bool
@@ -384,7 +317,6 @@ class GltfContent:
 
     def _draft(self, name: str, node: int, primitive: _Gltf) -> Draft | None:
         file, user, attributes = self._file, f"mesh '{name}'", primitive["attributes"]
-        unpack_draco(file, primitive, user, self.notes)
         rest = file.numbers(attributes["POSITION"], user, 3).astype(np.float64)
         triangles = _triangles(file, primitive, user, len(rest))
         nodes = file.items("nodes")
@@ -401,20 +333,7 @@ class GltfContent:
         if look.has_alpha and colours.shape[1] == 4 and (colours[:, 3] < 1).any():
             self.notes.add("the alpha of vertex colours is left out, drawn as 1", user)
         colour = look.colour * np.clip(np.nan_to_num(colours[:, :3]), 0, None)
-        skin, instances = nodes[node].get("skin"), instances_of(file, nodes[node], user)
-        if instances is not None and skin is None:
-            self._left -= len(instances) * len(triangles)
-            if self._left < 0:
-                raise file.error(f"{user}: {len(instances)} instances of {len(triangles)} triangles; export fewer")
-            turns = instances[:, :3, :3]
-            first = np.arange(len(instances))[:, None, None] * len(rest)
-            rest = (np.einsum("kij,nj->kni", turns, rest) + instances[:, None, :3, 3]).reshape(-1, 3)
-            faces = np.where(np.linalg.det(turns)[:, None, None] < 0, triangles[None, :, ::-1], triangles[None])
-            triangles = (faces + first).reshape(-1, 3).astype(np.uint32)
-            uv, colour = np.tile(uv, (len(instances), 1)), np.tile(colour, (len(instances), 1))
-            if not len(triangles):
-                return None
-        extras = nodes[node].get("extras") or {}
+        skin, extras = nodes[node].get("skin"), nodes[node].get("extras") or {}
         panel, occluded = bool(extras.get("panel")), bool(extras.get("occluded"))
         if panel and not np.allclose(colour, 1):
             self.notes.add("a panel has the colours of its picture alone", user)

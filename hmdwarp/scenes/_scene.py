@@ -30,9 +30,7 @@ class Lamp:
     motion: Motion
     colour: _Rgb  # linear, that a white, matt surface shows which faces it: 1 m from a point, anywhere under a sun
     is_sun: bool = False
-    cone: tuple[float, float] | None = (
-        None  # of a spot, radians about -z: all light up to the first, none at the second
-    )
+    cone: tuple[float, float] | None = None  # of a spot, rad about -z: all light up to the first, none at the second
     brightness: Brightness | None = None  # the share of its colour that it sends; None for all of it
 
     def light(self, time_ns: int) -> _Rgb:
@@ -251,17 +249,15 @@ class Scene:
                 raise SceneError(f"{name} uses texture {normal_map} as its normal map, the scene has {textures}")
             if not 0 <= mesh.body <= bodies:
                 raise SceneError(f"{name} belongs to body {mesh.body}, the scene has {bodies}")
+            if mesh.light_uv is not None and mesh.deformation is not None:
+                raise SceneError(f"{name} has a place in the light atlas and deforms: expected one that is rigid")
+            if self.lamps and mesh.material.reflectivity:
+                raise SceneError(f"{name} mirrors: in a scene with lamps, expected matt surfaces")
         if self.lamps and shining is not None:
             raise SceneError(f"texture '{shining}' shines: in a scene with lamps, expected textures without emission")
         for found, most, what in ((self.panels, MOST_PANELS, "panels"), (self.lamps, MOST_LAMPS, "lamps")):
             if len(found) > most:
                 raise SceneError(f"{len(found)} {what}: expected at most {most}")
-        for mesh in self.meshes:
-            name = f"mesh '{mesh.name}'"
-            if mesh.light_uv is not None and mesh.deformation is not None:
-                raise SceneError(f"{name} has a place in the light atlas and deforms: expected one that is rigid")
-            if self.lamps and mesh.material.reflectivity:
-                raise SceneError(f"{name} mirrors: in a scene with lamps, expected matt surfaces")
         self.mirrors  # noqa: B018 (raises at once if a mirror cannot be drawn)
 
     @cached_property

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 Array = NDArray[np.float64]
-_GRAVITY_M_S2 = (0.0, -9.81, 0.0)
+_GRAVITY_M_S2 = np.array([0.0, -9.81, 0.0])
 # Deforming things swing: limbs and cloth return about once in SWING_S. After a latency L a swing
 # has moved about as far as its speed takes it in sin(w L) / w seconds. The parabola L (1 - 2 L /
 # SWING_S) lies below that curve, and is nothing from half a swing on, where the speed predicts
@@ -123,27 +123,25 @@ class Thrown:
     period_s: float = attrs.field(converter=float, validator=_positive_seconds)
     # Rotation vector per second, in world axes.
     spin_rad_s: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=_vector)
-    gravity_m_s2: Array = attrs.field(default=_GRAVITY_M_S2, converter=_vector)
 
     def state(self, time_ns: int) -> RigidState:
         from scipy.spatial.transform import Rotation
 
         flown = np.mod(time_ns * 1e-9, self.period_s)
-        position = self.start.position_m + flown * (self.velocity_m_s + 0.5 * flown * self.gravity_m_s2)
+        position = self.start.position_m + flown * (self.velocity_m_s + 0.5 * flown * _GRAVITY_M_S2)
         turned = Rotation.from_rotvec(self.spin_rad_s * flown) * self.start.rotation
-        velocity = self.velocity_m_s + flown * self.gravity_m_s2
-        return RigidState(Pose(position, turned.as_quat()), velocity, self.spin_rad_s, self.gravity_m_s2)
+        velocity = self.velocity_m_s + flown * _GRAVITY_M_S2
+        return RigidState(Pose(position, turned.as_quat()), velocity, self.spin_rad_s, _GRAVITY_M_S2)
 
 
 @attrs.define(eq=False, frozen=True, slots=False)
 class Track:
-    """Path through key poses at key times, turned evenly (SLERP). Errors: SceneError."""
+    """Spline through places at key times, turned evenly (SLERP). Errors: SceneError."""
 
     times_s: Array = attrs.field(converter=_array)  # (k,) increasing, at least 2 keys
     positions_m: Array = attrs.field(converter=_array)  # (k, 3)
     turns: Rotation | None = None  # (k,) SciPy rotations; None keeps the body unturned
-    loops: bool = True  # starts again after the last key, where a smooth one begins; else stands still
-    smooth: bool = True  # positions on a cubic spline, else straight from key to key
+    loops: bool = True  # starts again after the last key, where it begins; else stands still
 
     def __attrs_post_init__(self) -> None:
         times, places = self.times_s, self.positions_m
@@ -160,16 +158,13 @@ class Track:
             raise SceneError(f"track: {len(times)} key times and {len(self.turns)} turns: expected as many")
         apart = np.abs(self.positions_m[-1] - self.positions_m[0]).max()
         apart = max(apart, 0 if self.turns is None else (self.turns[0].inv() * self.turns[-1]).magnitude())
-        if self.loops and self.smooth and not apart <= 1e-6:
+        if self.loops and not apart <= 1e-6:
             raise SceneError("track: the last key of a loop must be the pose of the first, within 1 um and 1 urad")
 
     @cached_property
     def _path(self) -> Any:
-        from scipy.interpolate import CubicSpline, PPoly
+        from scipy.interpolate import CubicSpline
 
-        if not self.smooth:
-            steps = np.diff(self.positions_m, axis=0) / np.diff(self.times_s)[:, None]
-            return PPoly(np.stack([steps, self.positions_m[:-1]]), self.times_s)
         places = self.positions_m
         if self.loops:
             places = np.concatenate([places[:-1], places[:1]])  # SciPy demands a period closed to the last bit
@@ -329,7 +324,7 @@ class Bouncing(Reacting[_BallState]):
         if now.hand_m is not None:
             return FOLLOWS**2 * (now.position_m - now.hand_m)
         if now.flies:
-            return np.array(_GRAVITY_M_S2)
+            return _GRAVITY_M_S2
         speed = float(np.linalg.norm(now.velocity_m_s))
         return -self.ROLLS_M_S2 / speed * now.velocity_m_s if speed else np.zeros(3)
 

@@ -16,7 +16,7 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
-from ..experiments.sweep import Failure, Result, Separate, SweepCase, outcomes
+from ..experiments.sweep import Failure, Result, SweepCase, outcomes, sharing_nothing
 from ..headsets import headset_names, load_headset
 from ..metrics import QUALITY
 from ..options import AUTO, parse_size
@@ -105,7 +105,7 @@ def measure_study(
             left_out.append(f"{_name(showing, session)}: {error}")
             continue
         of[cases[-1].name] = showing
-    for case, outcome in outcomes(Separate(_run), cases, options.where, progress, say):
+    for case, outcome in outcomes(sharing_nothing(_run), cases, options.where, progress, say):
         if isinstance(outcome, Failure):
             if outcome.exit_status == InputError.exit_status:
                 left_out.append(f"{case.name}: {outcome.why}")

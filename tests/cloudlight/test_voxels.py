@@ -7,14 +7,13 @@ import math
 import attrs
 import numpy as np
 import pytest
-from lit_rooms import box, in_atlas, placed, wall
+from lit_rooms import GREY, Fixed, box, cube, placed, scene_of, wall
 from worlds import read
 
 from hmdwarp.client import lit_by, parse_indirect
 from hmdwarp.cloudlight.voxels import VoxelGrid, voxel_surfaces
 from hmdwarp.errors import InputError, UnknownNameError
-from hmdwarp.frames import Needs
-from hmdwarp.geometry import Fov, Pose, RigidState, View
+from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import Background, Lamp, Scene, load_scene
 from hmdwarp.sources.server import Server
 
@@ -22,46 +21,15 @@ SIZE = (40, 32)
 FOV = Fov(-0.8, 0.75, -0.7, 0.65)
 VIEW = View(Pose((0.1, 1.5, 0.4), (0.02, 0.1, 0.0, 0.99)), FOV)
 WHITE = (1.0, 1.0, 1.0)
-DARK, NOTHING = Background(), Needs()
 HALF = 2.0**-11  # by which a half float rounds
 STOPS = 4.0  # as in shaders/lib/voxels.glsl
+OFF = Lamp(Fixed((0.0, 2.0, 0.0)), (0.0, 0.0, 0.0))
 
 
-@attrs.frozen(eq=False)
-class Fixed:
-    place: np.ndarray
-
-    def state(self, time_ns):
-        return RigidState(Pose(self.place))
-
-
-def lamp(place=(0.0, 2.0, 0.0), colour=(0.0, 0.0, 0.0)):
-    return Lamp(Fixed(np.array(place, float)), colour)
-
-
-def scene_of(*quads, sky=DARK, lamps=None, origin=(0.0, 0.0, 0.0)) -> Scene:
-    meshes = [attrs.evolve(mesh, texture=-1) for mesh in in_atlas(quads, 0.5)]
-    lamps = [lamp()] if lamps is None else lamps
-    return Scene("trial", "for tests", meshes, background=sky, lamps=lamps, origin_m=origin)
-
-
-def room(albedo=WHITE, low=(-1.0, 0.0, -1.0), high=(1.0, 2.0, 1.0)):
-    """The inside of a box."""
-    middle, half = (np.array(low) + high) / 2, (np.array(high) - low) / 2
-    sides = (((1, 0, 0), (0, 1, 0)), ((0, 1, 0), (0, 0, 1)), ((0, 0, 1), (0, 1, 0)))
-    quads = []
-    for out, up in (map(np.array, side) for side in sides):
-        for sign in (1, -1):
-            across = -sign * np.cross(up, out)
-            quads.append(wall(tuple(middle + sign * half * out), tuple(across * half), tuple(up * half), albedo))
-    return quads
-
-
-def lit(gpu, scene, view=VIEW, text="voxels:size=32", time_ns=0, size=SIZE, needs=NOTHING, keep=bool):
-    """The left eye's colour, bottom row first, and what `keep` makes of the eye."""
+def lit(gpu, scene, view=VIEW, text="voxels:size=32", time_ns=0):
+    """The left eye's colour, bottom row first."""
     server = Server(gpu, scene)
-    eye = server.draw_frame([view], time_ns, size, needs=needs | lit_by(text)).eyes[0]
-    found = read(eye.colour)[..., :3].astype(float), keep(eye)
+    found = read(server.draw_frame([view], time_ns, SIZE, needs=lit_by(text)).eyes[0].colour)[..., :3].astype(float)
     server.close()
     return found
 
@@ -80,8 +48,8 @@ def test_a_furnace_glows_everywhere_alike(gpu, cones):
         wall((0, 1, -4), (2, 0, 0), (0, 1, 0), WHITE),
         *box((-0.5, 0, -3), (0.5, 0.8, -2), WHITE),
     ]
-    scene = scene_of(*quads, sky=Background.uniform(WHITE))
-    got, _ = lit(gpu, scene, text=f"voxels:size=32,bounces=16,cones={cones}")
+    scene = scene_of(quads, 0.5, [OFF], Background.uniform(WHITE))
+    got = lit(gpu, scene, text=f"voxels:size=32,bounces=16,cones={cones}")
     assert got.max() < 1 + 10 * HALF
     assert got.min() > 0.99
 
@@ -95,8 +63,8 @@ def test_a_closed_room_lets_little_through(gpu):
     which keeps as much. On average less than that; in no pixel more than at a corner, where two
     walls share that: e^(-STOPS/4).
     """
-    scene = scene_of(*room(), sky=Background.uniform(WHITE))
-    got, _ = lit(gpu, scene, View(Pose((0.1, 1.0, 0.5)), FOV), "voxels:size=64,bounces=0")
+    scene = scene_of(cube(WHITE), 0.5, [OFF], Background.uniform(WHITE))
+    got = lit(gpu, scene, View(Pose((0.1, 0.0, 0.5)), FOV), "voxels:size=64,bounces=0")
     assert got.mean() < math.exp(-STOPS / 2)
     assert got.max() < math.exp(-STOPS / 4)
 
@@ -109,7 +77,7 @@ def test_it_is_near_converged_light_and_nearer_with_every_bounce(gpu):
     truth = read(server.draw(VIEW, SIZE, time_ns=700_000_000).colour)[..., :3].astype(float)
     server.close()
     errors = [
-        np.abs(lit(gpu, scene, text=f"voxels:size=32,bounces={n}", time_ns=700_000_000)[0] - truth).mean()
+        np.abs(lit(gpu, scene, text=f"voxels:size=32,bounces={n}", time_ns=700_000_000) - truth).mean()
         for n in (0, 1, 4)
     ]
     assert errors[0] > 1.5 * errors[1] > 2 * errors[2]
@@ -122,8 +90,8 @@ def test_far_from_the_origin_it_is_the_same_picture(gpu):
     there = np.array([1e6, -1e6, 1e6])
     pictures = []
     for origin in (np.zeros(3), there):
-        scene = scene_of(*room((0.7, 0.5, 0.3)), lamps=[lamp(origin + (0.3, 1.5, 0.2), (1, 1, 1))], origin=origin)
-        pictures.append(lit(gpu, scene, View(Pose(origin + (0.1, 1.0, 0.5)), FOV))[0])
+        scene = scene_of(cube((0.7, 0.5, 0.3)), 0.5, [Lamp(Fixed(origin + (0.3, 0.5, 0.2)), (1, 1, 1))])
+        pictures.append(lit(gpu, attrs.evolve(scene, origin_m=origin), View(Pose(origin + (0.1, 0.0, 0.5)), FOV)))
     same = np.isclose(*pictures, rtol=4 * HALF, atol=1e-4).all(axis=2)
     assert same.mean() > 0.99
 
@@ -181,20 +149,12 @@ def test_a_door_leaves_no_trace_in_cells_that_it_has_left(gpu):
         alone = Server(gpu, scene)
         assert np.array_equal(got, read(alone.draw_frame([VIEW], time_ns, SIZE, needs=needs).eyes[0].colour))
         alone.close()
-        wanted, _ = lit(gpu, placed(scene, time_ns))
+        wanted = lit(gpu, placed(scene, time_ns))
         assert np.isclose(got[..., :3], wanted, rtol=2 * 2.0**-11, atol=1e-5).mean() > 0.99
     server.close()
 
 
 # --- surfaces cut along the cells, against areas known without cutting ----------------------------
-
-
-GREY = (0.6, 0.6, 0.6)
-
-
-def surfaces_of(*quads) -> Scene:
-    meshes = [attrs.evolve(mesh, texture=-1) for mesh in in_atlas(quads, 0.5)]
-    return Scene("trial", "for tests", meshes)
 
 
 def covered(scene: Scene, size: int):
@@ -221,7 +181,7 @@ def test_a_slanted_square_covers_each_cell_as_a_fine_raster_of_it_does():
     """A cell gets its share of 2000 x 2000 points; one of about 200 cells has about 20000, whose
     even spacing leaves at most a row along each side in doubt: 4 x 141 of them, 3 %."""
     right, up = np.array((0.7, 0.3, 0.1)), np.array((-0.2, 0.5, 0.6))
-    grid, pieces, areas = covered(surfaces_of(wall((0.1, 0.2, 0.3), tuple(right), tuple(up), GREY)), 16)
+    grid, pieces, areas = covered(scene_of([wall((0.1, 0.2, 0.3), tuple(right), tuple(up), GREY)], 0.5), 16)
     share = (np.arange(2000) + 0.5) / 1000 - 1
     points = (0.1, 0.2, 0.3) + share[:, None, None] * right + share[None, :, None] * up
     cell = np.floor((points.reshape(-1, 3) - grid.low) / grid.cell_m).astype(int)

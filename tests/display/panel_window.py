@@ -9,11 +9,6 @@ standard input: "end", "off", "on", "catch", "free" (the mouse), "close" (the pa
 
 from __future__ import annotations
 
-import json
-import os
-import selectors
-import sys
-
 import glfw
 import moderngl
 import numpy as np
@@ -27,37 +22,19 @@ from imgui_bundle import imgui  # noqa: E402
 from hmdwarp.display.desktop.control_panel import panel as module  # noqa: E402
 from hmdwarp.display.desktop.window_input import label  # noqa: E402
 
+from .programs import lines_now, tell  # noqa: E402
+
 SIZE = (640, 760)
 
 
-def tell(**known: object) -> None:
-    print(json.dumps(known), flush=True)
-
-
-def opened():
-    assert glfw.init()
-    glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, 4)
-    glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)
-    glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
-    window = glfw.create_window(*SIZE, "panel", None, None)
-    glfw.make_context_current(window)
-    glfw.set_window_pos(window, 0, 0)
-    return window
-
-
-class Heard:
+def listens(window, wants) -> None:
     """The window's own callbacks: what they hear, with a panel that has chained them."""
 
-    def __init__(self, window) -> None:
-        self.panel = None
+    def key(_: object, key: int, __: int, action: int, ___: int) -> None:
+        tell(key=key, action=action, wanted=wants("keys"))
 
-        def key(_: object, key: int, __: int, action: int, ___: int) -> None:
-            tell(key=key, action=action, wanted=self.panel and self.panel.wants_keys)
-
-        glfw.set_key_callback(window, key)
-        glfw.set_mouse_button_callback(
-            window, lambda _, __, action, ___: tell(click=action, wanted=self.panel and self.panel.wants_mouse)
-        )
+    glfw.set_key_callback(window, key)
+    glfw.set_mouse_button_callback(window, lambda _, __, action, ___: tell(click=action, wanted=wants("mouse")))
 
 
 def grab_of(screen: moderngl.Framebuffer, size: tuple[int, int]) -> list[int] | None:
@@ -94,29 +71,32 @@ class Places:
 
 
 def main() -> None:
-    window = opened()
+    assert glfw.init()
+    hints = {"CONTEXT_VERSION_MAJOR": 4, "CONTEXT_VERSION_MINOR": 3, "OPENGL_PROFILE": glfw.OPENGL_CORE_PROFILE}
+    for name, value in hints.items():
+        glfw.window_hint(getattr(glfw, name), value)
+    window = glfw.create_window(*SIZE, "panel", None, None)
+    glfw.make_context_current(window)
+    glfw.set_window_pos(window, 0, 0)
     gl = moderngl.create_context(require=430)
-    heard = Heard(window)
+    listens(window, lambda what: None if is_closed else getattr(panel, f"wants_{what}"))
     module.imgui = places = Places()
-    heard.panel = panel = module.ControlPanel(window, gl, CONTROLS, label)
+    panel, is_closed = module.ControlPanel(window, gl, CONTROLS, label), False
     chosen = {"latency": 200.0, "warp": "forward", "fill": "none", "guard": 1.0, "lens": "auto", "view": "both"}
     status = Status(values=chosen, choices={"warp": ("forward", "mesh")}, budget_ms=16.7, stage_ms={"warp": 4.0})
     status.total_ms.extend((5.0, 6.0))
     status.holes.extend((float("nan"), 0.03))
-    inputs = selectors.DefaultSelector()
-    inputs.register(sys.stdin, selectors.EVENT_READ)
-    os.set_blocking(sys.stdin.fileno(), False)
     panel.draw(status, SIZE)
     tell(scale=panel._scale)
     while not glfw.window_should_close(window):
         glfw.poll_events()
         gl.screen.use()
         gl.clear(0.5, 0.5, 0.5)
-        for command in panel.draw(status, glfw.get_framebuffer_size(window)) if heard.panel is not None else ():
+        for command in panel.draw(status, glfw.get_framebuffer_size(window)) if not is_closed else ():
             tell(control=command.control, value=command.value)
             status.values[command.control] = command.value
         glfw.swap_buffers(window)
-        for line in (sys.stdin.read() or "").split() if inputs.select(0.01) else ():
+        for line in lines_now(0.01):
             match line:
                 case "end":
                     glfw.set_window_should_close(window, True)
@@ -127,7 +107,7 @@ def main() -> None:
                     glfw.set_input_mode(window, glfw.CURSOR, caught)
                 case "close":
                     panel.close()
-                    heard.panel = None
+                    is_closed = True
             grab = grab_of(gl.screen, glfw.get_framebuffer_size(window))
             tell(line=line, grab=grab, column=panel.column, places=places.found)
     panel.close()

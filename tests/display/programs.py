@@ -1,10 +1,11 @@
-"""hmdwarp live as a program of its own: as users start it, and in a window of a virtual screen."""
+"""Programs of their own that tests lead: hmdwarp live as users start it, windows, services."""
 
 from __future__ import annotations
 
 import json
 import os
 import re
+import select
 import signal
 import subprocess
 import sys
@@ -24,19 +25,16 @@ SMALL = (
 )  # fmt: skip
 
 
-class Program:
-    """Use as a context manager: it is killed at the end, if it has not ended by itself.
-
-    recording: where it writes the head's trace, if it does.
+class Process:
+    """A program that prints into a file. As a context manager it is killed at the end, if it has
+    not ended by itself.
     """
 
-    def __init__(self, folder: Path, *options: str, environment: dict[str, str] | None = None) -> None:
-        self.recording, self._told = folder / "head.csv", folder / "told.txt"
-        command = [sys.executable, "-m", "hmdwarp", "live", *options]
-        with self._told.open("w") as told:
-            self._process = subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=told, stderr=subprocess.STDOUT, env=environment, cwd=folder
-            )
+    def __init__(self, told: Path, *command: str, **how: Any) -> None:
+        self._told = told
+        with told.open("w") as out:
+            how = {"stdin": subprocess.DEVNULL, **how}
+            self._process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, **how)
 
     @property
     def pid(self) -> int:
@@ -59,6 +57,32 @@ class Program:
     def until_told(self, pattern: str) -> None:
         self.until(lambda: re.search(pattern, self.told), f"'{pattern}'")
 
+    def send(self, number: signal.Signals) -> None:
+        self._process.send_signal(number)
+
+    def ended(self) -> tuple[int, str]:
+        """Its exit status, once it has ended by itself, and what it printed."""
+        return self._process.wait(PATIENCE_S), self.told
+
+    def kill(self) -> None:
+        self._process.kill()
+        self._process.wait(PATIENCE_S)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.kill()
+
+
+class Program(Process):
+    """hmdwarp live. recording: where it writes the head's trace, if it does."""
+
+    def __init__(self, folder: Path, *options: str, environment: dict[str, str] | None = None) -> None:
+        self.recording = folder / "head.csv"
+        command = (sys.executable, "-m", "hmdwarp", "live", *options)
+        super().__init__(folder / "told.txt", *command, env=environment, cwd=folder)
+
     def recorded(self) -> int:
         """How many poses have reached the disk."""
         text = self.recording.read_text(encoding="utf-8") if self.recording.is_file() else ""
@@ -67,30 +91,16 @@ class Program:
     def until_recorded(self, count: int) -> None:
         self.until(lambda: self.recorded() >= count, f"{count} poses")
 
-    def send(self, number: signal.Signals) -> None:
-        self._process.send_signal(number)
-
-    def ended(self) -> tuple[int, str]:
-        """Its exit status, once it has ended by itself, and what it printed."""
-        return self._process.wait(PATIENCE_S), self.told
-
-    def __enter__(self) -> Program:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._process.kill()
-        self._process.wait(PATIENCE_S)
-
 
 class Live(Program):
     """One with a window on that screen; as a context manager it waits until pictures are shown."""
 
-    def __init__(self, screen: VirtualScreen, folder: Path, *options: str) -> None:
+    def __init__(self, screen: VirtualScreen, folder: Path, *options: str, **changed: str) -> None:
         self.screen = screen
-        environment = {**screen.environment, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error"}
-        super().__init__(folder, "--source", "desktop", *options, environment=environment)
+        environment = {**screen.environment, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error", **changed}
+        super().__init__(folder, "--source", "desktop", *SMALL, *options, environment=environment)
 
-    def __enter__(self) -> Live:
+    def __enter__(self):
         self.until(lambda: self.window, "a window")
         self.until(lambda: re.search(r"[1-9]\d* fps", self.title), "a title with the rate")
         return self
@@ -128,32 +138,39 @@ class Live(Program):
         return self.until(lambda: [picture] if holds(picture := self.picture()) else None, what)[0]
 
 
-class Led:
+def tell(**known: object) -> None:
+    """What a led program tells."""
+    print(json.dumps(known), flush=True)
+
+
+def lines_now(wait_s: float = 0.0) -> list[str]:
+    """The lines that a led program has been sent by now."""
+    return os.read(0, 1 << 12).decode().split() if select.select([0], [], [], wait_s)[0] else []
+
+
+class Led(Process):
     """A module of this folder on that screen, led line by line through its standard input.
 
     It tells JSON, a line each, and answers a line with one that has it as "line".
     """
 
     def __init__(self, screen: VirtualScreen, folder: Path, module: str) -> None:
-        self.screen, self._out, self._heard = screen, folder / f"{module}.jsonl", 0
-        with self._out.open("w") as out:
-            self._process = subprocess.Popen(
-                [sys.executable, "-W", "error", "-m", f"display.{module}"], stdin=subprocess.PIPE, stdout=out,
-                stderr=subprocess.STDOUT, text=True, env={**screen.environment, "PYTHONPATH": PATHS},
-            )  # fmt: skip
+        self.screen, self._heard = screen, 0
+        command = (sys.executable, "-W", "error", "-m", f"display.{module}")
+        environment = {**screen.environment, "PYTHONPATH": PATHS}
+        super().__init__(folder / f"{module}.jsonl", *command, stdin=subprocess.PIPE, text=True, env=environment)
 
     @property
-    def told(self) -> list[dict[str, Any]]:
+    def events(self) -> list[dict[str, Any]]:
         """All that it has told, oldest first."""
-        text = self._out.read_text(encoding="utf-8")
-        assert self._process.poll() is None and "Traceback" not in text, text
-        return [json.loads(line) for line in text.splitlines(keepends=True) if line.endswith("\n")]
+        assert self._process.poll() is None and "Traceback" not in self.told, self.told
+        return [json.loads(line) for line in self.told.splitlines(keepends=True) if line.endswith("\n")]
 
     def say(self, line: str) -> dict[str, Any]:
         """Wait until that is done; return the answer."""
 
         def answers() -> list[dict[str, Any]]:
-            return [event for event in self.told if event.get("line") == line]
+            return [event for event in self.events if event.get("line") == line]
 
         before = len(answers())
         self._process.stdin.write(f"{line}\n")
@@ -162,16 +179,12 @@ class Led:
 
     def heard(self, key: str) -> list[dict[str, Any]]:
         """All it told that has that key, since this was asked last."""
-        told = self.told
-        found, self._heard = told[self._heard :], len(told)
+        events = self.events
+        found, self._heard = events[self._heard :], len(events)
         return [event for event in found if key in event]
 
-    def __enter__(self) -> Led:
-        try:
-            until(lambda: self.told, "a first line")
-        except BaseException:
-            self._process.kill()
-            raise
+    def __enter__(self):
+        self.until(lambda: self.told.endswith("\n"), "a first line")
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
@@ -179,8 +192,7 @@ class Led:
         try:
             if kind is None:
                 self._process.communicate("end\n", PATIENCE_S)
-                assert self._process.returncode == 0, self._out.read_text(encoding="utf-8")
+                assert self._process.returncode == 0, self.told
         finally:
-            self._process.kill()
-            self._process.wait(PATIENCE_S)
+            self.kill()
             self._process.stdin.close()

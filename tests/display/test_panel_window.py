@@ -87,7 +87,7 @@ def test_the_slider_of_latency_is_dragged(led):
 
 def test_the_mouse_is_the_panels_over_it_alone(led):
     def asked() -> int:
-        return sum("control" in event for event in led.told)
+        return sum("control" in event for event in led.events)
 
     x, y = led.grab()
     led.hand("mousemove", "100", "300", "click", "1")
@@ -173,7 +173,7 @@ def test_on_a_dense_screen_it_is_larger_and_closed_it_gives_the_callbacks_back(s
     subprocess.run(["xrdb", "-nocpp", "-merge"], check=True, input="Xft.dpi: 192\n", **how)
     try:
         with Panel(screen, tmp_path, "panel_window") as led:
-            assert led.told[0]["scale"] == 2.0 and led.say("where")["column"] == 660
+            assert led.events[0]["scale"] == 2.0 and led.say("where")["column"] == 660
             led.say("close")
             led.heard("line")
             led.hand("mousemove", "600", "60", "click", "1", "key", "t")

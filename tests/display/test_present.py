@@ -13,7 +13,6 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.colour import linear_from_srgb, srgb8_from_linear, srgb_from_linear
 from hmdwarp.display import FRAMEBUFFER_SRGB, Presenter, text_ink
-from hmdwarp.display.present import KEPT
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, Canvas, allocate, download, upload
 
@@ -275,17 +274,6 @@ def test_a_long_text_is_all_there(presenter, size):
         assert ((pixel >= 0) & (pixel <= size)).all()
 
 
-def test_texts_are_kept_and_the_oldest_goes(presenter):
-    assert presenter.notice("") is None
-    first = presenter.notice("0")
-    assert presenter.notice("0") is first
-    others = [presenter.notice(str(number)) for number in range(1, KEPT)]
-    assert presenter.notice("0") is first
-    presenter.notice("one more")
-    assert presenter.notice("1") is not others[0]
-    assert presenter.notice("0") is first
-
-
 # --- depth --------------------------------------------------------------------------------------
 
 
@@ -293,13 +281,18 @@ def bottom_up(texture: moderngl.Texture) -> np.ndarray:
     return np.frombuffer(texture.read(), np.float32).reshape(texture.size[::-1])
 
 
+def inverse_of(gl, values: np.ndarray) -> moderngl.Texture:
+    texture = allocate(gl, values.shape[::-1], SCALAR)
+    upload(texture, values.astype(np.float32))
+    return texture
+
+
 @pytest.mark.parametrize("coloured", [False, True])
 def test_depth_is_reversed_and_what_is_unknown_is_infinitely_far(gpu, presenter, coloured):
     gl, near_m = gpu.gl, 0.1
     inverse = np.random.default_rng(8).uniform(0, 12, (7, 9)).astype(np.float32)
     inverse[0, 0], inverse[1, 1], inverse[2, 2], inverse[3, 3] = -1, 0, np.nan, 1e9
-    texture = allocate(gl, (9, 7), SCALAR)
-    upload(texture, inverse)
+    texture = inverse_of(gl, inverse)
     into, screen = gl.depth_texture((9, 7)), Screen(gl, (9, 7), srgb=False)
     framebuffer = gl.framebuffer([screen.texture] if coloured else [], into)
     framebuffer.clear(*(part / 255 for part in Screen.UNTOUCHED), depth=0.3)
@@ -318,11 +311,8 @@ def test_depth_is_reversed_and_what_is_unknown_is_infinitely_far(gpu, presenter,
 
 def test_depth_of_another_size_is_not_mixed(gpu, presenter):
     gl = gpu.gl
-    inverse = np.random.default_rng(9).choice([-1, 0.5, 2], (6, 4)).astype(np.float32)
-    texture = allocate(gl, (4, 6), SCALAR)
-    upload(texture, inverse)
-    into = gl.depth_texture((8, 12))
-    presenter.depth(texture, gl.framebuffer(depth_attachment=into), 0.25)
+    inverse, into = np.random.default_rng(9).choice([-1, 0.5, 2], (6, 4)), gl.depth_texture((8, 12))
+    presenter.depth(inverse_of(gl, inverse), gl.framebuffer(depth_attachment=into), 0.25)
     got = bottom_up(into)
     assert np.abs(got - np.kron(np.maximum(0, inverse[::-1]) * 0.25, np.ones((2, 2)))).max() < 2**-23
 
@@ -330,10 +320,8 @@ def test_depth_of_another_size_is_not_mixed(gpu, presenter):
 def test_depth_leaves_the_next_pass_its_depth_test(gpu, presenter):
     """Nearest wins again: a triangle at 0.5 does not go over what is at 0.3."""
     gl, screen = gpu.gl, Screen(gpu.gl, (4, 4), srgb=False)
-    texture = allocate(gl, (4, 4), SCALAR)
-    upload(texture, np.full((4, 4), 3, np.float32))
     framebuffer = gl.framebuffer([screen.texture], gl.depth_texture((4, 4)))
-    presenter.depth(texture, framebuffer, 0.1)
+    presenter.depth(inverse_of(gl, np.full((4, 4), 3)), framebuffer, 0.1)
     triangle = gl.vertex_array(
         gpu.shaders.draw("display/whole.vert", "display/picture.frag", ENCODES=0, SCALED=0, NOTICED=0).program, []
     )

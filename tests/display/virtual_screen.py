@@ -76,11 +76,6 @@ class VirtualScreen:
         pixels = rows[:, : 4 * width].reshape(height, width, 4)
         return pixels[..., 2::-1] if blue_first == 0 else pixels[..., 1:]
 
-    def kill(self) -> None:
-        """As when a session is ended by force."""
-        self._server.kill()
-        self._server.wait(PATIENCE_S)
-
     def __exit__(self, *_: object) -> None:
         self._server.terminate()
         self._server.wait(PATIENCE_S)

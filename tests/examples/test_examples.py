@@ -62,7 +62,3 @@ def test_it_is_short_and_needs_no_private_name(script):
     assert text.count("\n") <= 45
     assert f'"out/{script.stem}"' in text, "where it writes when run by hand"
     assert not re.findall(r"^\s*(?:from|import) hmdwarp\S*\._|import _", text, re.MULTILINE)
-
-
-def test_there_are_eight_at_least():
-    assert len(SCRIPTS) >= 8

@@ -14,6 +14,7 @@ import needs
 import numpy as np
 import pytest
 from PIL import Image
+from serving import Serving
 
 pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 
@@ -23,17 +24,12 @@ SCRIPT = Path(__file__).resolve().parents[2] / "examples" / "feed_browser" / "sh
 @pytest.fixture(scope="module")
 def page():
     """The address of the page, with a renderer behind it, each in a process of its own."""
-    serve = [sys.executable, "-m", "hmdwarp", "serve", "--scene", "planes", "--listen", "127.0.0.1:*"]
-    with subprocess.Popen(serve, stderr=subprocess.PIPE, text=True) as server:
-        assert server.stderr is not None
-        line = next(line for line in server.stderr if "listening at" in line)
-        address = line.split()[2].rstrip(":").removeprefix("tcp://")
-        show = [sys.executable, str(SCRIPT), address, "0"]
+    with Serving("--scene", "planes") as server:
+        show = [sys.executable, str(SCRIPT), server.address.removeprefix("tcp://"), "0"]
         with subprocess.Popen(show, stdout=subprocess.PIPE, text=True) as session:
             assert session.stdout is not None
             yield session.stdout.readline().split()[1]
             session.terminate()
-        server.terminate()
 
 
 def test_pictures_and_figures_come(page):

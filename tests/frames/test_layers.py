@@ -50,7 +50,8 @@ def test_formats_and_bytes_are_those_of_the_textures(gpu, name):
     weight = sum(
         PIXEL_BYTES[one] * texture.width * texture.height for one, texture in zip(found, textures, strict=True)
     )
-    assert frame_bytes(needs, EyeSizes(SIZE, SIZE, (FOV,)), eyes=1)[layer.readable()] == weight
+    for eyes, share in ((1, 1), (2, 1 if layer.per_frame else 2)):
+        assert frame_bytes(needs, EyeSizes(SIZE, SIZE, (FOV,) * eyes), eyes=eyes)[layer.readable()] == share * weight
     server.recycle(frame)
     assert not any(server.pool(texture.size, depth=depth).live for texture in textures for depth in (True, False))
     server.close()

@@ -247,12 +247,6 @@ def refreshes(rate_hz: float, count: int, first_ns: int = 7) -> list[int]:
     return [first_ns + round(number * 1e9 / rate_hz) for number in range(count)]
 
 
-@pytest.mark.parametrize(("server_hz", "every"), [(None, 1), (60.0, 1), (30.0, 2), (20.0, 3), (10.0, 6)])
-def test_a_rate_that_divides_the_displays_is_every_nth_refresh(server_hz, every):
-    pacer, instants = Pacer(server_hz, 60.0), refreshes(60.0, 30)
-    assert [pacer.due(now) for now in instants] == [[now] if n % every == 0 else [] for n, now in enumerate(instants)]
-
-
 @given(server_hz=RATES, display_hz=RATES)
 def test_every_instant_comes_once_in_order_and_at_the_servers_rate(server_hz, display_hz):
     pacer, instants = Pacer(server_hz, display_hz), refreshes(display_hz, 60)
@@ -267,11 +261,14 @@ def test_every_instant_comes_once_in_order_and_at_the_servers_rate(server_hz, di
         assert all(before - 1001 <= instant <= now for instant in at), "each belongs to the refresh that asks for it"
 
 
-def test_other_rates_draw_between_refreshes_and_after_a_stall_the_newest_alone():
-    pacer = Pacer(25.0, 60.0)
+def test_a_rate_draws_at_every_nth_refresh_or_between_them_and_after_a_stall_the_newest_alone():
+    instants = refreshes(60.0, 31)
+    for server_hz, every in ((None, 1), (60.0, 1), (30.0, 2), (20.0, 3), (10.0, 6)):
+        found = [*map(Pacer(server_hz, 60.0).due, instants)]
+        assert found == [[now] if n % every == 0 else [] for n, now in enumerate(instants)]
+    pacer, faster = Pacer(25.0, 60.0), Pacer(120.0, 60.0)
+    assert [len(faster.due(now)) for now in instants[:5]] == [1, 2, 2, 2, 2]
     drawn = [instant for now in refreshes(60.0, 31, first_ns=0) for instant in pacer.due(now)]
     assert drawn == [number * 40_000_000 for number in range(13)]
-    faster = Pacer(120.0, 60.0)
-    assert [len(faster.due(now)) for now in refreshes(60.0, 5)] == [1, 2, 2, 2, 2]
     assert pacer.due(10_000_000_000) == [9_960_000_000, 10_000_000_000]
     assert pacer.due(10_016_666_667) == []

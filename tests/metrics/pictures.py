@@ -8,7 +8,7 @@ from scipy.ndimage import map_coordinates
 from skimage.metrics import structural_similarity
 
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
-from hmdwarp.metrics import Alike, Compared, QualityJob
+from hmdwarp.metrics import Alike, Compared, QualityJob, error_image
 
 FOV = Fov(-0.7, 0.6, -0.5, 0.55)
 
@@ -74,8 +74,7 @@ def flicker(now: Compared, before: Compared) -> float | None:
     both = (column >= 0) & (column <= wide - 1) & (row >= 0) & (row <= high - 1) & now.view.seen((wide, high))[::-1]
     place = row[both], column[both]
     seen = before.view.seen((wide, high))[::-1][tuple(np.rint(place).astype(int))]
-    earlier = [
-        map_coordinates(channel[::-1].astype(float), place, order=1) for channel in np.moveaxis(before.error, 2, 0)
-    ]
-    change = np.abs(now.error[::-1][both] - np.stack(earlier, axis=-1))[seen]
+    was, error = (error_image(one.shown, one.truth) for one in (before, now))
+    earlier = [map_coordinates(channel[::-1].astype(float), place, order=1) for channel in np.moveaxis(was, 2, 0)]
+    change = np.abs(error[::-1][both] - np.stack(earlier, axis=-1))[seen]
     return float(change.mean()) if change.size else None

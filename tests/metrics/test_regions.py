@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.metrics import REGIONS, border_holes, near_discontinuity, pooled, psnr, region_of, region_sums
 
@@ -143,12 +142,3 @@ def test_an_empty_region_has_no_error():
     assert figures["border_holes"] == figures["inside_holes"] == {"share": 0.0, "psnr_db": None, "flip": None}
     assert figures["seen"] == {"share": 1.0, "psnr_db": 100.0, "flip": 0.0}
     assert pooled([])["silhouettes"] == {"share": None, "psnr_db": None, "flip": None}
-
-
-def test_sizes_must_agree():
-    flat = np.zeros((48, 64))
-    for wrong in ((FULL[:-1], flat), (FULL, flat[:-1])):
-        with pytest.raises(InputError, match="expected"):
-            regions(*wrong, *SAME)
-        with pytest.raises(InputError, match="expected"):
-            region_sums(noise(1, SIZE), noise(2, SIZE), *wrong)

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from display.virtual_screen import VirtualScreen
 
-from .monado import REMOTE, UNSEEN, Monado
+from .monado import REMOTE, UNSEEN, WOBBLING, Monado
 from .remote_head import RemoteHead
 
 OUTSIDE = "test_beside_monado.py"
@@ -46,9 +46,13 @@ def monado(runtime) -> Monado:
     """A running service whose head stays where `remote_head` puts it, and whose pictures go
     nowhere, at 20 a second.
     """
-    made = runtime(REMOTE, UNSEEN)
-    made.start()
-    return made
+    return runtime(REMOTE, UNSEEN).start()
+
+
+@pytest.fixture
+def wobbling(runtime) -> Monado:
+    """One whose head wobbles by itself."""
+    return runtime(WOBBLING, UNSEEN).start()
 
 
 @pytest.fixture

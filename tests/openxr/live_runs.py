@@ -11,6 +11,7 @@ from pathlib import Path
 import display.programs
 
 import hmdwarp.run.live_run as driver
+from hmdwarp.display import Display
 from hmdwarp.pipeline import Refresh
 from hmdwarp.run import LiveOptions, LiveResult
 
@@ -20,46 +21,35 @@ LONG_S = 600.0  # against hanging; a machine under load is slow, and may stand s
 
 def quick(**options: object) -> LiveOptions:
     """Options of a run that costs little."""
-    usual = {"source": "openxr", "scene": "planes", "size": SMALL, "latency_ms": 0.0}
+    usual = {"source": "openxr", "scene": "planes", "size": SMALL, "latency_ms": 0.0, "hang_s": LONG_S}
     return LiveOptions(**{**usual, "warp": "forward", "fill": "none", "guard": 1.0, "predict": "none", **options})
-
-
-class Watched:
-    """A display that remembers what was shown.
-
-    display: the real one, which does everything. before: called with each refresh that is about to
-    be shown.
-    """
-
-    def __init__(self, display: object, before: Callable[[Refresh], None]) -> None:
-        self.display, self._before = display, before
-        self.shown: list[Refresh | None] = []
-
-    def __getattr__(self, name: str) -> object:
-        return getattr(self.display, name)
-
-    def show(self, refresh: Refresh | None, label: str = "") -> int:
-        """As Display.show."""
-        if refresh is not None:
-            self._before(refresh)
-        self.shown.append(refresh)
-        return self.display.show(refresh, label)
 
 
 class Here:
     """A run in this process.
 
-    said: the sentences it told. watched: its display, once it is open. before: as Watched.
+    said: the sentences it told. display: once it is open. shown: what it was given. before: called
+    with each refresh that is about to be shown.
     """
 
     def __init__(self, monkeypatch, before: Callable[[Refresh], None] = lambda refresh: None) -> None:
         self.said: list[str] = []
-        self.watched: Watched | None = None
+        self.shown: list[Refresh | None] = []
+        self.display: Display | None = None
         opened = driver.open_display
 
-        def watch(*arguments: object) -> Watched:
-            self.watched = Watched(opened(*arguments), before)
-            return self.watched
+        def watch(*arguments: object) -> Display:
+            self.display = opened(*arguments)
+            show = self.display.show
+
+            def noted(refresh: Refresh | None, label: str = "") -> int:
+                if refresh is not None:
+                    before(refresh)
+                self.shown.append(refresh)
+                return show(refresh, label)
+
+            self.display.show = noted
+            return self.display
 
         monkeypatch.setattr(driver, "open_display", watch)
 
@@ -76,10 +66,6 @@ class Here:
             said(text)
 
         return driver.live(options, say, after)
-
-    def head(self):
-        """Where the runtime says the head is just now."""
-        return self.watched.source.head_at(self.watched.now_ns()).pose
 
 
 class Program(display.programs.Program):

@@ -111,12 +111,8 @@ class RemoteHead:
             data += more
         return _Data.from_buffer_copy(data)
 
-    def close(self) -> None:
-        """Let go of it; the head stays where it is."""
-        self._socket.close()
-
     def __enter__(self) -> RemoteHead:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.close()
+        self._socket.close()  # the head stays where it is

@@ -104,7 +104,7 @@ def _pins() -> list[str]:
     """Return the pinned packages without those that no test here reads, a third of them by size."""
     project = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    unread = [line for name in ("bench", "cluster", "docs", "draco", "exr", "jod", "reduce") for line in extras[name]]
+    unread = [line for name in ("bench", "cluster", "docs", "exr", "jod", "reduce") for line in extras[name]]
     left_out = {*map(_name, unread), *CHECKERS}
     lines = (PROJECT / ".ci" / "constraints.txt").read_text(encoding="utf-8").splitlines()
     return [line for line in lines if line and line[0] != "#" and _name(line) not in left_out]

@@ -1,4 +1,4 @@
-"""Other commands with a real runtime: doctor, headset, record, and a session of a study."""
+"""Other commands with a real runtime: doctor, headset and record."""
 
 from __future__ import annotations
 
@@ -13,16 +13,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from display.virtual_screen import until
-from study import tiny
 
 from hmdwarp.display import Lost
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
 from hmdwarp.poses import load_trace
 from hmdwarp.run import RecordOptions, record
-from hmdwarp.study.store import Contents, Store
 
 from .live_runs import LONG_S
 from .monado import UNSEEN, WOBBLING
@@ -147,54 +143,3 @@ def test_a_runtime_that_dies_leaves_what_was_recorded(monado, tmp_path, returns)
     assert len(track) >= 10 and track.duration_ns < 1e9 * (time.monotonic() - began)
     assert not returns or track.broken[9:].any()
     assert "waiting up to" in said[1]
-
-
-# --- a study ------------------------------------------------------------------------------------
-
-
-def contents(folder: Path) -> Contents | None:
-    if not (folder / "study.sqlite3").exists():
-        return None
-    with contextlib.suppress(InputError), Store(folder) as store:  # the file may be there before what it holds
-        return store.contents()
-    return None
-
-
-def test_the_headset_goes_in_mid_trial(runtime, tmp_path):
-    """A clear line, nothing lost, and the trial is shown again."""
-    study, model = tiny.write(tmp_path, pause=0.0, again=0.0, missing=0.0)
-    text = study.read_text().replace("rate = 20\n", "reconnect = 1\n").replace("seconds = 0.2", "seconds = 5")
-    # Two of its conditions: one trial before the one that is cut, and none after it.
-    lines = text[: text.index("[[family]]")].splitlines()
-    study.write_text("\n".join(line for line in lines if '"late"' not in line and '"turned"' not in line))
-    command = [*COMMAND, "study", "run", str(study), "--participant", "one", "--simulate", str(model)]
-    command += ["--source", "openxr", "--console", "none"]
-    folder, monado = tmp_path / "tiny-simulated-data", runtime(WOBBLING, UNSEEN)
-    monado.start()
-
-    def is_shown() -> bool:
-        assert process.poll() is None, process.communicate()
-        now = contents(folder)
-        return now is not None and any(showing.key == "trial/2" for showing in now.showings)
-
-    said = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
-    with subprocess.Popen(command, stdin=subprocess.DEVNULL, **said) as process:
-        try:
-            until(is_shown, "trial/2")
-            time.sleep(2.0)  # its wait before the first picture is over
-            monado.kill()
-            told = process.communicate(timeout=LONG_S)[0]
-        finally:
-            process.kill()
-    assert process.returncode == 3 and "--resume" in told and "Traceback" not in told, told
-    before = contents(folder)
-    assert [session.status for session in before.sessions] == ["interrupted"]
-    assert [showing.complete for showing in before.showings if showing.key == "trial/2"] == [False]
-    monado.start()
-    done = subprocess.run([*command, "--resume"], check=False, stdin=subprocess.DEVNULL, **said)
-    assert done.returncode == 0, done.stdout
-    after = contents(folder)
-    assert [session.status for session in after.sessions] == ["complete"]
-    assert [showing.complete for showing in after.showings if showing.key == "trial/2"] == [False, True]
-    assert after.answers[: len(before.answers)] == before.answers
-    assert len({answer.key for answer in after.answers}) == len(after.answers)

@@ -185,7 +185,7 @@ def test_a_live_session_is_acted_in_by_hand(monado, remote_head, monkeypatch, tm
             return
         name, aside_m, buttons = left.pop(0)
         remote_head.aim("right", aimed(name, aside_m))
-        hold(remote_head, here.watched, "right", **buttons)
+        hold(remote_head, here.display, "right", **buttons)
 
     here.run(quick(scene="playroom", warp="none", record=out, pictures=4 * (len(DONE) + 2)), after)
     done = read_inputs(inputs_beside(out))

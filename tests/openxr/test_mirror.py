@@ -23,19 +23,12 @@ WINDOW = 480
 SIZE = (120, 120)  # of the window's shape, in whole pixels of it
 
 
-@pytest.fixture
-def wobbling(runtime):
-    made = runtime(WOBBLING, UNSEEN)
-    made.start()
-    return made
-
-
 def test_the_left_eye_is_on_the_screen(wobbling, screen, monkeypatch):
     here, found = Here(monkeypatch), []
 
     def after(number: int) -> None:
-        left, right = (picture_from_linear(download(eye.panel.texture))[..., :3] for eye in here.watched.shown[-1].eyes)
-        here.watched.gpu.gl.finish()
+        left, right = (picture_from_linear(download(eye.panel.texture))[..., :3] for eye in here.shown[-1].eyes)
+        here.display.gpu.gl.finish()
         time.sleep(0.02)  # the X server's turn
         on_screen = screen.picture()[:WINDOW, :WINDOW].astype(float)
         # Scaled up bilinearly by four: the mean of a block is its pixel's, but for a part of its
@@ -44,7 +37,7 @@ def test_the_left_eye_is_on_the_screen(wobbling, screen, monkeypatch):
         found.append([np.abs(blocks - picture).mean() for picture in (left, right, flip_rows(left))])
 
     here.run(quick(pictures=6, size=SIZE, scene="spheres", depth_layer=False), after)
-    assert here.watched.about["graphics"] == "GLX"
+    assert here.display.about["graphics"] == "GLX"
     this, other_eye, upside_down = min(found)  # the window leaves out pictures that come too fast, so not each is there
     assert this < 6
     assert this < 0.7 * other_eye and this < 0.3 * upside_down

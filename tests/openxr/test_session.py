@@ -26,7 +26,7 @@ from hmdwarp.display.openxr.runtime import Calls
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.geometry import Fov, Pose
 from hmdwarp.gpu import download, flip_rows
-from hmdwarp.poses import Origin, angle_between
+from hmdwarp.poses import Origin, angle_between, load_trace
 
 from .live_runs import LONG_S, SMALL, Here, quick
 
@@ -167,27 +167,31 @@ def _views(end: xr.FrameEndInfo) -> list[dict[str, object]]:
 
 
 @pytest.mark.parametrize(("warp", "depth_layer"), [("forward", True), ("backward", True), ("forward", False)])
-def test_pictures_arrive_with_what_they_were_made_for(remote_head, monkeypatch, warp, depth_layer):
+def test_pictures_arrive_with_what_they_were_made_for(remote_head, monkeypatch, tmp_path, warp, depth_layer):
     """Each eye's picture within a step of 8 bits, its depth as float32 has it, and the very pose
-    and field of view it was warped for.
+    and field of view it was warped for: of the runtime's eyes on its head, which is recorded.
     """
     remote_head.put(HEAD)
     remote_head.put_eyes(UNLIKE)
     here, expected, handed_over = Here(monkeypatch), [], HandedOver(monkeypatch)
 
     def after(number: int) -> None:
-        refresh = here.watched.shown[-1]
+        refresh = here.shown[-1]
         for one, eye in zip(refresh.inputs, refresh.eyes, strict=True):
             depth = download(eye.inverse_depth) if depth_layer else None
             expected.append((one.shown, picture_from_linear(download(eye.panel.texture)), depth))
 
-    here.run(quick(pictures=4, scene="room", warp=warp, fill="interpolate", depth_layer=depth_layer), after)
+    how = {"scene": "room", "warp": warp, "fill": "interpolate", "depth_layer": depth_layer}
+    here.run(quick(pictures=4, record=tmp_path / "head.csv", **how), after)
+    track = load_trace(tmp_path / "head.csv").track
+    assert len(track) == 4 and np.abs(track.position_m - HEAD.position_m).max() < FLOAT32
     layers, pictures = [layer for layer in handed_over.layers if layer], iter(handed_over.pictures)
     assert len(layers) == 4
     for view, (shown, picture, inverse_depth) in zip(itertools.chain(*layers), expected, strict=True):
         assert np.array_equal(view["position"], shown.pose.position_m.astype(np.float32))
         assert np.array_equal(view["orientation"], shown.pose.orientation_xyzw.astype(np.float32))
         fov = shown.fov
+        assert any(shown.pose.isclose(HEAD @ from_eye, 1e-6) for from_eye, _ in UNLIKE)
         assert np.array_equal(view["fov"], np.float32([fov.left, fov.right, fov.down, fov.up]))
         arrived = next(pictures)
         # Half a step by rounding here, and up to 0.6 by the encoding in hardware that OpenGL

@@ -4,63 +4,10 @@ from __future__ import annotations
 
 import tomllib
 
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.options.documents import line_of
-
-TEXT = """\
-# a comment with [brackets] and = signs
-name = "x" # 2
-[trial] # 3
-seconds = 20
-text = QQQ
-[[not.a.table]]
-order = "no" \\QQQ still
-QQQ"
-order = 'latin'
-deep.er.still = 1
-
-[[part]]
-name = 'one ]] = # '
-[[part.condition]]
-name = "a" # 15
-latency = 1979-05-27 07:32:00 # 16
-[[part.condition]]
-name = "b" # 18
-limits = [ # 19
-  { from = 1, "to it" = 2 }, # 20
-  [3,
-   '''[4]
-   ''', 5], # 5 is in line 23
-]
-[[ part ]] # 25
-name = "two"
-[part.extra]
-x = 1
-[[part.condition]] # 29
-name = "c"
-""".replace("QQQ", 3 * '"')
-LINES = [
-    (("name",), 2), (("trial",), 3), (("trial", "seconds"), 4), (("trial", "text"), 5), (("trial", "order"), 9),
-    (("trial", "deep", "er", "still"), 10), (("trial", "missing"), 3), (("part",), 12), (("part", 0), 12),
-    (("part", 0, "name"), 13), (("part", 0, "condition", 0), 14), (("part", 0, "condition", 0, "name"), 15),
-    (("part", 0, "condition", 0, "latency"), 16), (("part", 0, "condition", 1, "name"), 18),
-    (("part", 0, "condition", 1, "limits", 0, "to it"), 20), (("part", 0, "condition", 1, "limits", 1), 21),
-    (("part", 0, "condition", 1, "limits", 1, 1), 22), (("part", 0, "condition", 1, "limits", 1, 2), 23),
-    (("part", 1), 25), (("part", 1, "name"), 26), (("part", 1, "extra"), 27), (("part", 1, "extra", "x"), 28),
-    (("part", 1, "condition", 0), 29), (("part", 1, "condition", 0, "name"), 30), (("nowhere",), 1), ((), 1),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("path", "line"), LINES, ids=str)
-def test_every_key_is_found(path, line):
-    value = tomllib.loads(TEXT)
-    for key in path if not {"missing", "nowhere"} & {*path} else ():
-        value = value[key]  # it is there
-    assert line_of(TEXT, path) == line
-
 
 KEYS = st.text("ab-", min_size=1, max_size=2)
 MULTILINE = ["QQQ\na = [1\nQQQ".replace("Q", '"'), "QQQ\n[x]\nQQQ".replace("Q", "'")]

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from hmdwarp.poses import load_trace
-from hmdwarp.poses.reading import text_table
 
 ROWS = int(os.environ.get("HMDWARP_LARGE_ROWS", "200000"))
 
@@ -40,20 +39,5 @@ def test_memory_is_bounded_by_the_rows(tmp_path):
     tracemalloc.stop()
     assert (len(loaded.track), loaded.track.end_ns, loaded.defects) == (ROWS, (ROWS - 1) * 1_000_000, [])
     # A row is 68 bytes when done (time, line, position, quaternion); its largest column is copied
-    # twice while cleaning, and one chunk of text with its numbers takes some 30 MB: 200 bytes a row
-    # and 60 MB keep 10^7 rows below 2.1 GB.
+    # twice while cleaning: 200 bytes a row and 60 MB keep 10^7 rows below 2.1 GB.
     assert peak < 200 * ROWS + 60e6
-
-
-def test_chunks_meet_without_a_seam(tmp_path, monkeypatch):
-    """The same file in chunks of any size, down to a few rows, is the same track."""
-    path = tmp_path / "seams.csv"
-    large_file(path, 500)
-    path.write_text(path.read_text().replace("\n", "\n# a remark\n", 40).rstrip("\n"))
-    whole = load_trace(path)
-    for size in (97, 1000, 4096):
-        monkeypatch.setattr(text_table, "CHUNK_BYTES", size)
-        parts = load_trace(path)
-        assert np.array_equal(parts.track.time_ns, whole.track.time_ns)
-        assert np.array_equal(parts.track.orientation_xyzw, whole.track.orientation_xyzw)
-        assert parts.defects == whole.defects

@@ -78,8 +78,8 @@ def test_shipped_people_are_described_level_and_licensed():
     for name in people:
         path, loaded = folder / f"{name}.csv", load_trace(name)
         track, figures = loaded.track, analyse(loaded.track, latencies_ms=())
-        turning = " / ".join(f"{speed:.1f}" for speed in figures.angular_speed_deg_s[:3])
-        moving = " / ".join(f"{figures.linear_speed_m_s[place]:.2f}" for place in (0, 2))
+        turning = " / ".join(f"{speed:.1f}" for speed in [*figures["angular_speed_deg_s"].values()][:3])
+        moving = " / ".join(f"{figures['linear_speed_m_s'][place]:.2f}" for place in ("p50", "p99"))
         what = track.origin.rpartition("; ")[2]
         assert f"| `{name}` | " in page and f"| {what} | {loaded.track.rate_hz:.0f} | {turning} | {moving} |" in page
         assert 20 <= track.duration_ns * 1e-9 <= 40.1 and path.stat().st_size < 300_000

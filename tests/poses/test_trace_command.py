@@ -63,7 +63,7 @@ def test_info_tells_every_defect_and_segment(tmp_path):
 def test_info_for_programs_has_the_same_figures_and_no_nan(tmp_path):
     data = json.loads(run("info", "look-around", "--json"))
     keys = (
-        "trace format origin axes columns samples repeated_share duration_s rate_hz mean_rate_hz clock clock_starts_s"
+        "trace format origin axes columns clock clock_starts_s samples repeated_share duration_s rate_hz mean_rate_hz"
     )
     keys += " gaps jumps gaze angular_speed_deg_s linear_speed_m_s errors_deg segments assumptions defects"
     assert list(data) == keys.split()
@@ -77,7 +77,7 @@ def test_info_for_programs_has_the_same_figures_and_no_nan(tmp_path):
     assert {defect["kind"] for defect in data["defects"]} == {defect.kind for defect in load_trace(two).defects}
     assert "trace too short" in run("info", write(tmp_path / "s.csv", rows(head(10))))
     short = json.loads(run("info", tmp_path / "s.csv", "--json"))
-    assert list(short["errors_deg"][-1]) == ["latency_ms", "none", "constant_velocity", "cautious"]
+    assert list(short["errors_deg"][-1]) == ["latency_ms", "count", "none", "constant_velocity", "cautious"]
     figures = ("mean", "p50", "p95", "p99")
     assert short["errors_deg"][-1]["none"] == dict.fromkeys(figures)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
@@ -14,11 +13,7 @@ from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
 from hmdwarp.poses.formats import formats
 
-_NO_MCAP = pytest.mark.skipif(
-    importlib.util.find_spec("mcap") is None, reason="mcap is not installed (pip install '.[mcap]')"
-)
-# Names of the formats that are written.
-WRITERS = [pytest.param(f.name, marks=_NO_MCAP if f.name == "mcap" else ()) for f in formats if f.writes]
+WRITERS = [form.name for form in formats if form.writes]
 
 
 def head(n: int = 200, rate_hz: float = 60.0) -> PoseTrack:
@@ -54,7 +49,7 @@ def write(
 def save(track: PoseTrack, path: Path, name: str) -> Path:
     """A file of that format."""
     target = formats.get(name)
-    with path.open("wb" if target.binary else "w") as stream:
+    with path.open("w") as stream:
         target.write(track, stream)
     return path
 

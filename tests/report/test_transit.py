@@ -19,8 +19,10 @@ def test_each_part_stands_once_and_empty_ones_are_left_out():
     ]
     assert sum(float(text.split()[0]) for _, text in rows[:-3]) == pytest.approx(272.3, abs=0.05)
     assert dict(frame_rows(summary)) == {
-        "drawn": "120", "sent": "120", "lost on the network": "3", "too late (a newer one was shown)": "1",
-        "superseded (a newer one arrived for the same refresh)": "2", "shown": "100", "in transit at the end": "14",
+        "drawn": "120", "sent": "120", "of these lost on the network": "3",
+        "of these too late (a newer one was shown)": "1",
+        "of these superseded (a newer one arrived for the same refresh)": "2",
+        "shown": "100", "in transit at the end": "14",
     }  # fmt: skip
     assert coding_rows(summary)[:2] == [
         ("rate, both eyes", "21.4 Mbit/s"),

@@ -12,18 +12,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from PIL import Image
 from replays import contents, rows_of
 
 from hmdwarp.display import Command, Lost, Tick
 from hmdwarp.errors import MachineError
-from hmdwarp.gpu import Canvas, download, flip_rows, upload
-from hmdwarp.poses import quaternions
+from hmdwarp.gpu import Canvas, download, upload
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
 from hmdwarp.run import HoleCounter, LiveLog, LiveOptions
 from hmdwarp.run import live_log as log
 from hmdwarp.run.live_log import Thinned
-from hmdwarp.run.run_summary import angle_between
 
 from .offscreen import PERIOD_NS, READ_NS, SUBMITTED_NS, OffscreenDisplay, closed_at, run_on
 
@@ -123,21 +120,6 @@ def test_the_summary_is_a_replay_s_and_more(monkeypatch, tmp_path, seen):
     assert live["refresh_ms"]["total"]["median"] > np.median(both) > live["refresh_ms"]["warp"]["median"] > 0
 
 
-def test_pictures_are_those_that_were_handed_over(monkeypatch, tmp_path):
-    _, display = go(monkeypatch, tmp_path / "out", keeps=True, options={"images_every": 4})
-    shown = [picture for picture, label in zip(display.pictures, display.labels, strict=True) if not label]
-    names = sorted(path.name for path in (tmp_path / "out" / "images").iterdir())
-    kept = range(0, len(shown), 4)
-    assert names == [f"frame-{number:06d}-{eye}.png" for number in kept for eye in ("left", "right")]
-    for number in kept:
-        files = [tmp_path / "out" / "images" / f"frame-{number:06d}-{eye}.png" for eye in ("left", "right")]
-        halves = [np.asarray(Image.open(file)) for file in files]
-        window = flip_rows(shown[number]).astype(int)
-        # A shader's powers and NumPy's table: each rounds to the nearest of 255 levels, seldom to
-        # different ones.
-        assert np.abs(np.concatenate(halves, axis=1).astype(int) - window).max() <= 1
-
-
 def test_events_are_listed(monkeypatch, tmp_path):
     events = {
         8: Tick(0, 0, render=False), 9: Tick(0, 0, missed=2, notice="tracking lost"), 10: Lost("the runtime is gone"),
@@ -167,7 +149,7 @@ def test_events_are_listed(monkeypatch, tmp_path):
 
 def test_a_view_of_one_eye_has_one_row(monkeypatch, tmp_path):
     asked = {10: [Command("view", "both")]}
-    result, _ = go(monkeypatch, tmp_path / "out", view="flat", asked=asked, options={"view": "flat", "images_every": 5})
+    result, _ = go(monkeypatch, tmp_path / "out", view="flat", asked=asked, options={"view": "flat"})
     eyes = [int(row["eye"]) for row in rows_of(tmp_path / "out")]
     first = eyes.index(1)
     assert set(eyes[: first - 1]) == {0} and eyes[first - 1 :] == [0, 1] * ((len(eyes) - first + 1) // 2)
@@ -301,21 +283,6 @@ def test_kept_rows_are_evenly_spaced(count, half):
     assert kept.tolist() == list(range(0, count, table.every))
     assert table.column("square").tolist() == [number * number for number in kept]
     assert len(kept) <= most and (table.every == 1 or len(kept) > half) and (table.every & (table.every - 1)) == 0
-
-
-def test_unmeasured_rows_are_left_out():
-    table = Thinned(("a", "b"))
-    for row in ({"a": 1, "b": None}, {}, {"a": 2, "b": 3}):
-        table.add(row)
-    assert table.measured("a", "b").tolist() == [1, 2, 3] and np.isnan(table.column("b")[:2]).all()
-
-
-@given(st.lists(st.floats(-1, 1), min_size=8, max_size=8))
-def test_the_angle_in_plain_floats_is_that_of_the_arrays(values):
-    a, b = np.array(values[:4]) + (0, 0, 0, 1.5), np.array(values[4:]) + (0, 0, 0, 1.5)
-    a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
-    # 4 atan2 of lengths that are off by a unit in the last place each: 1e-15 of an angle up to pi
-    assert abs(angle_between(a.tolist(), (-b).tolist()) - quaternions.angle_between(a, b)) < 1e-14
 
 
 @pytest.fixture

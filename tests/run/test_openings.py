@@ -16,9 +16,10 @@ import needs
 import pytest
 from display.virtual_screen import VirtualScreen
 
+from hmdwarp.display import desktop
 from hmdwarp.errors import MachineError
 from hmdwarp.pipeline import source_of
-from hmdwarp.run import LiveOptions, display_options, open_display
+from hmdwarp.run import LiveOptions, open_display
 
 ROOT = Path(__file__).resolve().parents[2]
 PATIENCE_S = 120
@@ -70,14 +71,13 @@ def test_why_there_is_no_headset_and_no_window_is_told(case, monkeypatch, tmp_pa
         assert told in said and more in said and caught.value.exit_status == 3
 
 
-def test_a_display_is_told_what_it_must_know():
-    asked = LiveOptions(
-        headset="cardboard-v2", view="flat", size=(96, 120), full_screen=True, vsync=False, panel=False,
-        depth_layer=False,
+def test_a_display_is_told_what_it_must_know(monkeypatch):
+    monkeypatch.setattr(desktop, "DesktopDisplay", lambda wanted: wanted)
+    inputs, _ = opened(
+        source="desktop", headset="cardboard-v2", view="flat", size=(96, 120), full_screen=True, vsync=False,
+        panel=False, depth_layer=False,
     )  # fmt: skip
-    watching = lambda what: nullcontext()  # noqa: E731
-    inputs = display_options(asked, source_of(asked), watching)
-    assert (inputs.headset, inputs.view, inputs.size, inputs.watching) == ("cardboard-v2", "flat", (96, 120), watching)
+    assert (inputs.headset, inputs.view, inputs.size) == ("cardboard-v2", "flat", (96, 120))
     assert (inputs.full_screen, inputs.vsync, inputs.control_panel, inputs.depth_layer) == (True, False, False, False)
 
 

@@ -127,11 +127,6 @@ def test_a_quicker_display_is_told_how_far_its_truth_is(run, tmp_path):
     assert newest <= {frame.time_ns for frame in taken(COUNT)}
 
 
-def test_a_slower_server_sends_fewer_of_them(run):
-    frames = run(server_rate=10.0).summary["link"]["frames"]
-    assert frames["drawn"] == 4  # at 0, 100, 200 and 300 of 367 ms
-
-
 def test_another_head_begins_where_the_camera_does(run, tmp_path):
     summary, row, trace = run(trace="walk", rate=30.0).summary, rows_of(tmp_path / "out")[0], load_trace("walk").track
     step = trace.at(trace.start_ns + int(float(row["shown_ns"]))).pose.relative_to(trace.pose(0))
@@ -371,12 +366,6 @@ def test_live_plays_the_recording_forth_and_back(folder, tmp_path):
     # From drawing to showing: the latency, at most a refresh of waiting, and two to the display.
     ages = [float(row["age_ms"]) for row in rows]
     assert min(ages) >= 100 and max(ages) <= 100 + 3e3 / RATE_HZ + 1e-3
-
-
-def test_live_shows_one_eye_in_the_flat_view(folder, tmp_path):
-    said = {"frames": folder, "source": "offscreen", "view": "flat", "latency": 0.0, "pictures": 4, "guard": "1.5"}
-    summary = live(LiveOptions.of({**said, "out": tmp_path / "live", "trace": "look-around"})).summary
-    assert summary["size"] == [40, 27] and summary["rendered"]["size"] == list(SIZE)
 
 
 def test_pages_say_folder_camera_and_eyes_in_place_of_a_scene(folder, tmp_path, gpu):

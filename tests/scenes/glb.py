@@ -15,7 +15,6 @@ from hmdwarp.scenes import Scene, SceneOptions, load_scene
 # A viewer at (0, 1.6, 0) of the file, so that its numbers stay as they are.
 IN_PLACE = SceneOptions(viewpoint="0,1.6,0")
 SQUARE = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], np.float32)
-BENT = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0.5), (-1, 1, 0)], np.float32)
 FACES = np.array([0, 1, 2, 0, 2, 3], np.uint16)
 
 
@@ -129,27 +128,3 @@ class Glb:
             image["uri"] = uri(f"picture {number}.png", data)
         header["buffers"] = [{"byteLength": len(self.binary), "uri": uri("all numbers.bin", self.binary)}]
         path.write_text(json.dumps(header), encoding="utf-8")
-
-
-def cube(low, high, *, inwards: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """(8, 3) corners and (36,) indices of a box that is seen from outside, or from inside."""
-    corners = np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)], np.float32)
-    faces = np.array(
-        [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6)]
-        + [(1, 3, 5), (3, 7, 5)],
-        np.uint16,
-    )
-    return corners, (faces[:, ::-1] if inwards else faces).ravel()
-
-
-def boxes(*parts) -> Glb:
-    """A GLB of these boxes (see cube), all in one mesh."""
-    corners, faces = zip(*parts, strict=True)
-    glb = Glb(np.concatenate(corners))
-    first = np.cumsum([0, *map(len, corners[:-1])])
-    glb.primitive["indices"] = glb.numbers(
-        np.concatenate([face + start for face, start in zip(faces, first, strict=True)]).astype(np.uint16)
-    )
-    del glb.primitive["attributes"]["TEXCOORD_0"]
-    del glb.header["nodes"][0]["translation"]
-    return glb

@@ -1,4 +1,4 @@
-"""Promises of every registered scene, and of the room besides."""
+"""Promises of every registered scene, the parts that none may have, mirrors, and what is slow."""
 
 from __future__ import annotations
 
@@ -8,7 +8,22 @@ import pytest
 
 from hmdwarp.client.effects import effects
 from hmdwarp.errors import SceneError
-from hmdwarp.scenes import Mesh, Scene, Texture, load_scene, scenes
+from hmdwarp.geometry import Pose, RigidState
+from hmdwarp.scenes import (
+    Ball,
+    Body,
+    Material,
+    Mesh,
+    Quad,
+    Scene,
+    Spinning,
+    Still,
+    Texture,
+    Waving,
+    load_scene,
+    scenes,
+    slow_in,
+)
 
 NAMES = scenes.names()
 
@@ -16,11 +31,6 @@ NAMES = scenes.names()
 @pytest.fixture(scope="module", params=NAMES)
 def scene(request):
     return load_scene(request.param)
-
-
-@pytest.fixture(scope="module")
-def room():
-    return load_scene("room")
 
 
 def test_a_scene_says_what_its_source_says(scene):
@@ -82,9 +92,16 @@ def mesh_with(**changes) -> Mesh:
     return Mesh("bent", **(fields | changes))
 
 
+MATERIALS = (
+    {"tint": (1.0, 1.0)}, {"see_through": True, "tint": (1.2, 1.0, 1.0)}, {"tint": (0.5, 1.0, 1.0)},
+    {"transmission": 0.5}, {"see_through": True, "transmission": 1.5}, {"see_through": True, "head_locked": True},
+)  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
+        *((lambda wrong=wrong: Material(**wrong), "material") for wrong in MATERIALS),
         (lambda: mesh_with(positions=[(0, 0, 0), (0, np.nan, 0), (1, 1, 1)]), "positions of vertex 1"),
         (lambda: mesh_with(normals=np.full((3, 3), np.inf)), "normals of vertex 0"),
         (lambda: mesh_with(uv=np.ones((2, 2))), "3 positions but 2 uv"),
@@ -97,3 +114,107 @@ def mesh_with(**changes) -> Mesh:
 def test_impossible_parts_of_a_scene_are_refused_by_name(make, message):
     with pytest.raises(SceneError, match=message):
         make()
+
+
+GREY = Texture("grey", np.full((2, 2, 3), 90, np.uint8))
+
+
+def mirror(centre=(0, 0, -2), right=(1, 0, 0), up=(0, 0.5, 0), **material) -> Mesh:
+    return attrs.evolve(Quad(centre, right, up).mesh("glass"), material=Material(**({"reflectivity": 0.5} | material)))
+
+
+def scene_of(*meshes: Mesh, origin=(0.0, 0.0, 0.0), bodies=()) -> Scene:
+    return Scene("mirrors", "", meshes, (GREY,), origin_m=origin, bodies=bodies)
+
+
+def test_a_plane_mirror_is_its_rectangle_in_the_world():
+    (found,) = scene_of(mirror(right=(0.6, 0, 0.8)), origin=(10.0, 20.0, 30.0)).mirrors
+    assert np.allclose(found.shape.centre_m, (10, 20, 28))
+    assert np.allclose(found.shape.right_m, (0.6, 0, 0.8))
+    assert np.allclose(found.shape.up_m, (0, 0.5, 0))
+    assert not found.shape.is_curved
+
+
+def test_coplanar_equal_mirrors_are_one():
+    left, right = mirror((-1, 0, -2)), mirror((3, 0, -2))
+    (found,) = scene_of(left, right).mirrors
+    assert len(found.meshes) == 2
+    assert np.allclose(found.shape.centre_m, (1, 0, -2))
+    assert np.allclose(found.shape.right_m, (3, 0, 0))
+    assert len(scene_of(left, mirror((3, 0, -2.1))).mirrors) == 2
+    assert len(scene_of(left, mirror((3, 0, -2), reflectivity=0.7)).mirrors) == 2
+
+
+def test_the_right_of_a_mirror_is_where_its_u_grows():
+    turned = attrs.evolve(mirror(), uv=mirror().uv[[1, 2, 3, 0]])
+    (found,) = scene_of(turned).mirrors
+    assert np.allclose(found.shape.right_m, (0, -0.5, 0))
+    assert np.allclose(found.shape.normal, (0, 0, 1))
+
+
+def test_a_curved_mirror_is_the_ball_around_it():
+    ball = attrs.evolve(Ball((1, 2, 3), 0.4).mesh("ball"), material=Material(reflectivity=0.8, curved=True))
+    (found,) = scene_of(ball).mirrors
+    assert np.allclose(found.shape.centre_m, (1, 2, 3), atol=1e-6)
+    assert found.shape.radius_m == pytest.approx(0.4, rel=1e-6)
+
+
+TURNED = [(0, 0, 1), (0, 0, 1), (0, 1, 0), (0, 0, 1)]
+BENT = np.array([(0, 0, 0), (0, 0, 0), (0, 0, 0.1), (0, 0, 0)])
+BALL = attrs.evolve(Ball((0, 0, 0), 1.0).mesh("b"), material=Material(reflectivity=0.5))
+
+
+@pytest.mark.parametrize(
+    ("meshes", "message"),
+    [
+        ([attrs.evolve(mirror(), normals=np.zeros((4, 3)))], "'glass': a mirror without a normal: .* not of length 1"),
+        ([attrs.evolve(mirror(), normals=TURNED)], "without a normal: its normals differ by up to .* deg"),
+        (
+            [attrs.evolve(mirror(), positions=mirror().positions + BENT)],
+            "without a normal: its vertices leave a plane by 100 mm",
+        ),
+        ([attrs.evolve(mirror(), normals=-mirror().normals)], "without a normal: some triangles face away"),
+        ([BALL], r"differ by up to .*\(curved=True\)"),
+        ([attrs.evolve(mirror(curved=True), positions=np.zeros((4, 3)))], "a curved mirror of no size"),
+        ([attrs.evolve(mirror(), body=1)], "a mirror that moves"),
+        ([mirror((0, 0, -k)) for k in range(9)], "9 mirrors: expected at most 8"),
+    ],
+)
+def test_mirrors_that_cannot_be_drawn_are_refused(meshes, message):
+    with pytest.raises(SceneError, match=message):
+        scene_of(*meshes, bodies=(Body("cart", Still(RigidState(Pose()))),))
+
+
+QUAD = Quad((0, 1.6, -1), (0.3, 0, 0), (0, 0.3, 0), -1, (1, 1, 1)).mesh("quad")
+
+
+def repeated(triangles: int, **changes: object) -> Mesh:
+    return attrs.evolve(QUAD, triangles=np.resize(QUAD.triangles, (triangles, 3)), **changes)
+
+
+def waving(vertices: int) -> Mesh:
+    points = np.zeros((vertices, 3), np.float32)
+    uv, light = np.zeros((vertices, 2), np.float32), np.ones((vertices, 3), np.float32)
+    flag = Waving(points, np.linspace(0, 1, vertices), (0, 0, 1), 0.1, 1.0, 1.0)
+    return Mesh("flag", points, points, uv, light, QUAD.triangles, deformation=flag)
+
+
+def test_shipped_scenes_are_not_slow():
+    assert all(slow_in(load_scene(name)) == () for name in scenes.names())
+
+
+@pytest.mark.parametrize(
+    ("scene", "line"),
+    [
+        (Scene("s", "", [repeated(249_999)]), None),
+        (Scene("s", "", [repeated(200_000), repeated(50_000)]), "250,000 triangles: simplify"),
+        (Scene("s", "", [repeated(20_000)]), None),
+        (Scene("s", "", [repeated(20_000, material=Material(see_through=True))]), "20,000 transparent triangles: "),
+        (Scene("s", "", [QUAD], bodies=[Body("b", Spinning(Pose(), (0, 1, 0), 1.0))] * 120), "120 moving bodies: "),
+        (Scene("s", "", [QUAD], [Texture("t", np.zeros((1, 1, 3), np.uint8))] * 600), "600 textures: "),
+        (Scene("s", "", [waving(60_000)]), "60,000 moving vertices: "),
+    ],
+)
+def test_excess_is_reported_with_its_count(scene, line):
+    found = slow_in(scene)
+    assert len(found) == (line is not None) and all(text.startswith(line) for text in found)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import sys
 from contextlib import nullcontext
 
 import attrs
@@ -296,63 +295,9 @@ def test_velocities_are_those_of_the_poses(tmp_path, kind):
         assert np.allclose(at.angular_velocity_rad_s, spin, atol=1e-5)
 
 
-DRACO = "KHR_draco_mesh_compression"
-
-
 def world(scene) -> np.ndarray:
     """(n, 3) all vertices in the world, in their order."""
     return np.concatenate([mesh.positions for mesh in scene.meshes]) + scene.origin_m
-
-
-def needing(*names: str) -> Glb:
-    glb = Glb()
-    glb.header |= {"extensionsUsed": list(names), "extensionsRequired": list(names)}
-    return glb
-
-
-def packed(points: np.ndarray, faces: np.ndarray, bytes_of=None) -> Glb:
-    """The square's file with its numbers in Draco's packing alone."""
-    draco = pytest.importorskip("DracoPy", reason="the extra 'draco' is not installed")
-    data = draco.encode(points, faces.astype(np.uint32), quantization_bits=16) if bytes_of is None else bytes_of
-    glb = needing(DRACO)
-    for number in (glb.primitive["attributes"]["POSITION"], glb.primitive["indices"]):
-        del glb.header["accessors"][number]["bufferView"]
-    del glb.primitive["attributes"]["TEXCOORD_0"]
-    glb.primitive["extensions"] = {DRACO: {"bufferView": glb.view(data), "attributes": {"POSITION": 0}}}
-    return glb
-
-
-def test_draco_is_unpacked(tmp_path):
-    scene = packed(SQUARE, np.array([(0, 1, 2), (0, 2, 3)])).load(tmp_path)
-    assert scene.triangle_count == 2
-    # The node stands at (0, 1, -3); 16 bits over 2 m are 31 micrometres.
-    found = {tuple(corner) for corner in (world(scene) - (0, 1, -3)).round(3) + 0.0}
-    assert found == {tuple(corner) for corner in SQUARE}
-
-
-def test_damaged_draco_data_are_refused(tmp_path):
-    with pytest.raises(SceneError, match="Draco data cannot be decoded"):
-        packed(SQUARE, np.array([(0, 1, 2)]), b"DRACO but not really").load(tmp_path)
-
-
-@pytest.mark.parametrize("level", [0, 1, 7])
-def test_draco_data_are_refused_by_what_they_say_that_they_unpack_to(tmp_path, level):
-    """Nothing of 4 points and 2 faces is unpacked once they say that they are 30 million."""
-    draco, count = pytest.importorskip("DracoPy", reason="the extra 'draco' is not installed"), b"\x80\x87\xa7\x0e"
-    faces = np.array([(0, 1, 2), (0, 2, 3)])
-    data = draco.encode(SQUARE, faces.astype(np.uint32), quantization_bits=16, compression_level=level)
-    for number, at in enumerate((11, 12) if level == 0 else (13, 12)):
-        assert data[at] == (2, 4)[number]
-        said = (12, 32)[number] * 30_000_000 + (4 * 32, 2 * 12)[number]
-        with pytest.raises(SceneError, match=f"{said} bytes, unpacked, of Draco; expected at most 134217728"):
-            packed(SQUARE, faces, data[:at] + count + data[at + 1 :]).load(tmp_path)
-
-
-def test_without_the_library_draco_is_refused_with_the_extra_to_install(tmp_path, monkeypatch):
-    """Its accessors have no numbers of their own, so all vertices would be zero."""
-    monkeypatch.setitem(sys.modules, "DracoPy", None)
-    with pytest.raises(SceneError, match=r"pip install '\.\[draco\]'.*'gltf-transform copy thing.glb thing-plain"):
-        needing(DRACO).load(tmp_path)
 
 
 def test_vertices_of_morph_targets_count_as_the_scene_s(tmp_path, monkeypatch):
@@ -401,14 +346,12 @@ def test_a_note_comes_once_however_often_its_reason_does(tmp_path):
 def damaged() -> dict[str, tuple[bytes, str]]:
     """Bytes of a GLB that is none, and what is said of them."""
     data = Glb().data()
-    json_bytes = int.from_bytes(data[12:16], "little")
-    end = 20 + json_bytes
     return {
-        "another format": (b"PK\x03\x04" + data[4:], r"begins with b'PK\\x03\\x04', expected b'glTF'"),
-        "cut in its header": (data[:15], "ends after 15 bytes, expected 20 of headers at least"),
-        "version 1": (data[:4] + b"\1" + data[5:], "version 1 at byte 4, expected 2"),
-        "no JSON first": (data[:16] + b"BIN\0" + data[20:], r"a chunk b'BIN\\x00' at byte 16, expected b'JSON'"),
-        "cut in its JSON": (data[:100], f"its JSON of {json_bytes} bytes ends at byte {end}, expected 100, the file's"),
+        "another format": (b"PK\x03\x04" + data[4:], r"bytes that begin with b'PK\\x03\\x04.*expected b'glTF'"),
+        "cut in its header": (data[:15], "15 bytes that begin with"),
+        "version 1": (data[:4] + b"\1" + data[5:], "no GLB 2.0 file"),
+        "no JSON first": (data[:16] + b"BIN\0" + data[20:], "expected b'glTF', 2 and whole JSON"),
+        "cut in its JSON": (data[:100], "100 bytes that begin with"),
         "broken JSON": (data[:20] + b"{]" + data[22:], "its JSON cannot be read: Expecting property name.*column 2"),
         "JSON that is no text": (data[:20] + b"\xff" + data[21:], "not UTF-8 text: byte 0 is 0xff"),
     }

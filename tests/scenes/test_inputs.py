@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import closing
-
 import attrs
 import numpy as np
 import pytest
@@ -11,9 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.geometry import Pose
-from hmdwarp.gpu import download
-from hmdwarp.headsets import load_headset
 from hmdwarp.scenes import (
     ArrivedState,
     Bouncing,
@@ -28,7 +23,6 @@ from hmdwarp.scenes import (
     scenes,
     take_inputs,
 )
-from hmdwarp.sources.server import Server
 
 MS = 1_000_000
 ROOM = ((-2.0, 0.0, -3.0), (2.0, 2.5, 1.0))
@@ -217,20 +211,6 @@ def test_what_has_arrived_knows_no_later_input():
         )
         arrived.take(100 * MS)
         assert known.lamps[0].light(500 * MS) == (0, 0, 0)
-
-
-def test_a_lamp_that_is_off_lights_nothing(gpu):
-    """Bit for bit: the picture is that of the scene without the lamp."""
-    off = load_scene("playroom")
-    off.inputs.add(InputEvent(0, "switch", "lamp"))
-    without = attrs.evolve(off, lamps=off.lamps[1:])
-    view = load_headset("flat-90").views(Pose((0, 1.6, 0.5)))[0]
-    pictures = []
-    for scene in (off, without, load_scene("playroom")):
-        with closing(Server(gpu, scene)) as server:
-            pictures.append(download(server.draw(view, (48, 40), time_ns=MS).colour))
-    assert np.array_equal(pictures[0], pictures[1])
-    assert pictures[2][..., :3].mean() > 2 * pictures[0][..., :3].mean()
 
 
 def of_seed(seed: int, end_ns: int) -> list[InputEvent]:

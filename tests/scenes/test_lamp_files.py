@@ -142,12 +142,6 @@ def test_what_does_not_fit_has_a_plain_light_and_is_said_with_the_figure(tmp_pat
         assert (np.ptp(scene.meshes[0].light_uv[:3], axis=0) == 1.5).all()  # the middle of its texel lies inside
 
 
-def test_a_file_without_lamps_pays_nothing(tmp_path):
-    scene = Glb().load(tmp_path)
-    (mesh,) = scene.meshes
-    assert not scene.lamps and mesh.light_uv is None and len(mesh.positions) == 4
-
-
 @pytest.mark.parametrize(
     ("light", "node"),
     [

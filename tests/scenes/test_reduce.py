@@ -12,12 +12,35 @@ from hmdwarp.client.effects import effects
 from hmdwarp.errors import SceneError
 from hmdwarp.scenes import Ball, Body, Material, Mesh, Scene, Texture, load_scene, unlit
 
-from .surfaces import Surface, box, patch
+
+def patch(corner, edge_u, edge_v, cell_m: float = 0.25) -> Mesh:
+    """A parallelogram with vertices every `cell_m`, its front where edge_u x edge_v points."""
+    corner, edge_u, edge_v = (np.asarray(vector, float) for vector in (corner, edge_u, edge_v))
+    lengths = np.linalg.norm(edge_u), np.linalg.norm(edge_v)
+    u, v = (np.linspace(0, 1, max(1, round(length / cell_m)) + 1) for length in lengths)
+    vv, uu = (grid.reshape(-1, 1) for grid in np.meshgrid(v[::-1], u, indexing="ij"))
+    positions = corner + uu * edge_u + vv * edge_v
+    normals = np.tile(np.cross(edge_u, edge_v) / np.prod(lengths), (len(uu), 1))
+    index = np.arange(len(uu)).reshape(len(v), len(u))
+    a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
+    triangles = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
+    return Mesh("made", positions, normals, np.hstack([uu, vv]) * lengths, np.full_like(normals, 0.5), triangles)
 
 
-def mesh_of(surface: Surface, light=(0.5, 0.5, 0.5), **fields) -> Mesh:
-    lit = np.broadcast_to(light, surface.positions.shape)
-    return Mesh("made", surface.positions, surface.normals, surface.uv, lit, surface.triangles, **fields)
+def box(centre, size, cell_m: float = 0.3) -> Mesh:
+    """The six patches of a box of full `size`, as one."""
+    x, y, z = np.diag(np.asarray(size, float))
+    low = np.asarray(centre, float) - (x + y + z) / 2
+    faces = ((low + z, x, y), (low + x, -x, y), (low + x + z, -z, y), (low, z, y), (low + y + z, x, -z), (low, x, z))
+    sides = [patch(*face, cell_m=cell_m) for face in faces]
+    starts = np.cumsum([0, *(len(side.positions) for side in sides[:-1])])
+    rows = {name: np.concatenate([getattr(side, name) for side in sides]) for name in ("positions", "normals", "uv")}
+    triangles = np.concatenate([side.triangles + start for side, start in zip(sides, starts, strict=True)])
+    return Mesh("made", **rows, light=np.full_like(rows["normals"], 0.5), triangles=triangles)
+
+
+def mesh_of(surface: Mesh, light=(0.5, 0.5, 0.5), **fields) -> Mesh:
+    return attrs.evolve(surface, light=np.broadcast_to(light, surface.positions.shape), **fields)
 
 
 def scene_of(*meshes: Mesh, **fields) -> Scene:

@@ -10,7 +10,7 @@ import subprocess
 import tarfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -109,18 +109,18 @@ class Browser:
         self._told = profile / "DevToolsActivePort"
         self._told.unlink(missing_ok=True)
         self._process = subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
-        self._numbers = itertools.count(1)
+        self._numbers, self._session = itertools.count(1), ""
         # What the page itself said: errors, warnings, refused loads.
         self.said: list[str] = []
         # Whether its scripts threw something that nobody caught.
         self.has_failed = False
         self._loop = asyncio.new_event_loop()
-        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
-        self._thread.start()
-        self._answers: dict[int, asyncio.Future] = {}
-        self._why_ended = ""
         try:
-            self._run(self._connect(self._address()))
+            self._loop.run_until_complete(self._connect(self._address()))
+            page = self.send("Target.createTarget", url="about:blank")["targetId"]
+            self._session = self.send("Target.attachToTarget", targetId=page, flatten=True)["sessionId"]
+            self.send_all(*((f"{domain}.enable", {}) for domain in ("Page", "Runtime", "Log", "Inspector")))
+            self.send("Page.addScriptToEvaluateOnNewDocument", source=HEARD)
         except BaseException:
             self._kill()
             raise
@@ -137,64 +137,45 @@ class Browser:
             assert not ended, "Chromium ended before it listened"
             time.sleep(0.02)
 
-    def _run(self, task: Any) -> Any:
-        return asyncio.run_coroutine_threadsafe(task, self._loop).result()
-
     async def _connect(self, address: str) -> None:
         self._http = aiohttp.ClientSession()
         self._socket = await self._http.ws_connect(address, max_msg_size=MOST_BYTES)
-        self._reader = asyncio.ensure_future(self._read())
-        page = (await self._send("Target.createTarget", {"url": "about:blank"}, ""))["targetId"]
-        attached = await self._send("Target.attachToTarget", {"targetId": page, "flatten": True}, "")
-        self._session = attached["sessionId"]
-        for domain in ("Page", "Runtime", "Log", "Inspector"):
-            await self._send(f"{domain}.enable")
-        await self._send("Page.addScriptToEvaluateOnNewDocument", {"source": HEARD})
 
-    async def _read(self) -> None:
-        async for message in self._socket:
+    async def _send(self, commands: Sequence[tuple[str, dict[str, Any]]]) -> list[Any]:
+        numbers, answers = [], {}
+        for method, params in commands:
+            numbers.append(next(self._numbers))
+            which = {"sessionId": self._session} if self._session else {}
+            await self._socket.send_json({"id": numbers[-1], "method": method, "params": params, **which})
+        while not answers.keys() >= {*numbers}:
+            message = await self._socket.receive()
+            if message.type is not aiohttp.WSMsgType.TEXT:
+                raise Ended("its socket closed")
             told = json.loads(message.data)
             if "id" in told:
-                self._answers.pop(told["id"]).set_result(told)
+                answers[told["id"]] = told
             elif told["method"] in ("Runtime.exceptionThrown", "Log.entryAdded", "Runtime.consoleAPICalled"):
                 self.said.append(json.dumps(told["params"]))
                 self.has_failed = self.has_failed or told["method"] == "Runtime.exceptionThrown"
             elif told["method"] in ("Inspector.targetCrashed", "Target.detachedFromTarget"):
-                self._end(told["method"])
-        self._end("its socket closed")
+                raise Ended(told["method"])
+        return [answers[number] for number in numbers]
 
-    def _end(self, why: str) -> None:
-        self._why_ended = self._why_ended or why
-        for answer in self._answers.values():
-            if not answer.done():
-                answer.set_exception(Ended(why))
-
-    async def _send(self, method: str, params: dict[str, Any] | None = None, session: str | None = None) -> Any:
-        if self._why_ended:
-            raise Ended(self._why_ended)
-        number = next(self._numbers)
-        self._answers[number] = self._loop.create_future()
-        which = self._session if session is None else session
-        await self._socket.send_json(
-            {"id": number, "method": method, "params": params or {}, **({"sessionId": which} if which else {})}
-        )
-        told = await self._answers[number]
-        if told.get("error", {}).get("message") == "Inspected target navigated or closed":
-            raise Reloaded
-        assert "error" not in told, told["error"]
-        return told["result"]
+    def send_all(self, *commands: tuple[str, dict[str, Any]]) -> list[Any]:
+        """Send commands, none of which waits for the answer to another; return their results."""
+        answers = self._loop.run_until_complete(self._send(commands))
+        for told in answers:
+            if told.get("error", {}).get("message") == "Inspected target navigated or closed":
+                raise Reloaded
+            assert "error" not in told, told["error"]
+        return [told["result"] for told in answers]
 
     def send(self, method: str, **params: Any) -> Any:
         """Send a command of the protocol; return its result."""
-        return self._run(self._send(method, params))
+        return self.send_all((method, params))[0]
 
-    def send_all(self, *commands: tuple[str, dict[str, Any]]) -> None:
-        """Send commands, none of which waits for the answer to another."""
-
-        async def together() -> None:
-            await asyncio.gather(*(self._send(method, params) for method, params in commands))
-
-        self._run(together())
+    def resize(self, width: int, height: int) -> None:
+        self.send("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
 
     def open(self, address: str) -> None:
         """Open a page."""
@@ -226,10 +207,8 @@ class Browser:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._run(self._http.close())
+        self._loop.run_until_complete(self._http.close())
         self._kill()
-        self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join()
         self._loop.close()
 
 
@@ -272,17 +251,3 @@ def wear(browser: Browser, script: str = "") -> None:
         runtime = package.extractfile("package/build/iwer.min.js")
         assert runtime is not None
         browser.send("Page.addScriptToEvaluateOnNewDocument", source=runtime.read().decode() + HEADSET + script)
-
-
-def enter_vr(browser: Browser, address: str) -> None:
-    """Open the page in an emulated headset, and wait until it shows both eyes."""
-    wear(browser)
-    browser.open(address)
-    entered(browser)
-
-
-def entered(browser: Browser) -> None:
-    """Enter VR on an open page, and wait until it shows both eyes."""
-    browser.until("hmdwarp.session.shown && !document.getElementById('enter').hidden")
-    browser.does("document.getElementById('enter').click()")
-    browser.until("hmdwarp.session.xr && hmdwarp.session.shown.eyes.length === 2")

@@ -19,17 +19,18 @@ from hmdwarp.web import STEPS
 
 from .browser import PACKED, Browser
 
-_LOOK = "const { pixels, ...rest } = await hmdwarp.session.look(); const found = "
-LOOK = f"(async () => {{ {_LOOK} {{...rest, pixels: ({PACKED})(pixels)}}; return found; }})()"
+
+def _all(looks: str) -> str:
+    """Return a script for what those looks found, with pixels as text."""
+    return (
+        f"(async () => {{ const all = []; {looks} const packed = {PACKED}; "
+        "return all.map(({ pixels, ...rest }) => ({...rest, pixels: packed(pixels)})); })()"
+    )
 
 
 def looks(count: int) -> str:
     """Return a script for what so many refreshes in a row showed."""
-    return (
-        f"(async () => {{ const all = []; for (let k = 0; k < {count}; k += 1) {{ {_LOOK} {{...rest, pixels}}; "
-        f"all.push(found); }} const packed = {PACKED}; "
-        "return all.map(({ pixels, ...rest }) => ({...rest, pixels: packed(pixels)})); })()"
-    )
+    return _all(f"for (let k = 0; k < {count}; k += 1) all.push(await hmdwarp.session.look());")
 
 
 # Before a page's own scripts: a clock that only `stepped` moves on, by a refresh at a time, once
@@ -58,10 +59,10 @@ def enter_vr_at_once(browser: Browser) -> None:
     browser.does("(async () => { while (hmdwarp.session.shown.eyes.length < 2) await stepped(1); })()")
 
 
-def look_after(refreshes: int) -> str:
-    """Return a script for what a refresh shows, so many later by CLOCK."""
-    step = f"await stepped({refreshes - 1}); const look = hmdwarp.session.look(); await stepped(1); "
-    return LOOK.replace(_LOOK, step + _LOOK.replace("hmdwarp.session.look()", "look"))
+def look_after(browser: Browser, refreshes: int) -> dict[str, Any]:
+    """Return what a refresh shows, so many later by CLOCK."""
+    step = f"await stepped({refreshes - 1}); const look = hmdwarp.session.look(); await stepped(1);"
+    return browser.does(_all(f"{step} all.push(await look);"))[0]
 
 
 def view_of(told: dict[str, Any]) -> View:

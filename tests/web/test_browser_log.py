@@ -7,6 +7,7 @@ import errno
 import json
 import math
 import os
+from contextlib import closing
 from pathlib import Path
 
 import needs
@@ -32,7 +33,6 @@ from .looks import CLOCK, enter_vr_at_once, look_after, pictures_of, view_of
 SHOWN = dict.fromkeys(DISPLAY, 100) | {"browser": "a browser", "renderer": "a GPU", "codec": "av1", "trace": "walk"}
 KNOWN_MS = 120  # of a head's motion, that the predictor knows
 REFRESH_MS, LATENCY_MS = 16, 100  # whole in ns; between two refreshes, so that no rounding of theirs matters
-MOST_LINE = 2 * MOST_REPORT  # a number is at most a few letters longer than it came
 
 
 def refresh(shown_ms: float, age_ms: float = 100.0, x_m: float = 0.0) -> list[float]:
@@ -46,13 +46,12 @@ def message(rows: list[list[float]] | None = None, **changed) -> str:
     return json.dumps({**said, "refreshes": rows, **changed})
 
 
-class Logged:
-    """A server's file, and what its log was told. Use it in a `with`."""
+class Logged(SessionLog):
+    """A server's file, and what its log was told."""
 
     def __init__(self, folder: Path) -> None:
         self.said: list[str] = []
-        self.path = folder / NAME
-        self.log = SessionLog(folder, self.said.append)
+        super().__init__(folder, self.said.append)
 
     def lines(self) -> list[dict]:
         """Whole lines of JSON alone, in a file within its bound."""
@@ -60,21 +59,15 @@ class Logged:
         assert len(data) <= browser_log.MOST_BYTES and (not data or data.endswith(b"\n"))
         return [json.loads(line) for line in data.splitlines()]
 
-    def __enter__(self) -> Logged:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.log.close()
-
 
 @pytest.fixture
 def logged(tmp_path):
-    with Logged(tmp_path / "out") as made:
+    with closing(Logged(tmp_path / "out")) as made:
         yield made
 
 
 def test_a_second_is_a_line(logged):
-    page = logged.log.begin()
+    page = logged.begin()
     page.take(message())
     page.take(message([refresh(2000)], display=None))
     first, second = logged.lines()
@@ -86,18 +79,21 @@ def test_a_second_is_a_line(logged):
 
 
 def test_another_display_another_page_and_another_server_are_other_sessions(tmp_path):
+    """In one file, which is not there without a line."""
+    Logged(tmp_path).close()
+    assert not (tmp_path / NAME).exists()
     for _ in range(2):
-        with Logged(tmp_path) as logged:
-            pages = [logged.log.begin() for _ in range(2)]
+        with closing(Logged(tmp_path)) as logged:
+            pages = [logged.begin() for _ in range(2)]
             for page in pages * 2:
                 page.take(message())
-        assert logged.lines()
+    pages[0].take(message())  # a page that ends after its server
     names = [line["session"] for line in logged.lines()]
     assert len(names) == 8 and len({*names}) >= 4  # two servers may begin within a second
 
 
 def test_a_session_is_a_trace_and_its_delays(logged, tmp_path):
-    page, other = logged.log.begin(), logged.log.begin()
+    page, other = logged.begin(), logged.begin()
     page.take(message())
     other.take(message([refresh(5 + k, 50) for k in range(3)]))
     page.take(message([refresh(2000 + 11 * k, 90, 1 + k) for k in range(3)], display=None))
@@ -130,7 +126,7 @@ BENCHED = {"display": SHOWN | {"clock": "gpu", "how": "a timer", "seconds": 2}, 
 
 
 def test_a_bench_is_a_line_of_no_session(logged):
-    page = logged.log.begin()
+    page = logged.begin()
     page.take(message())
     page.take(json.dumps(BENCHED))
     assert logged.lines()[1] == BENCHED
@@ -158,7 +154,7 @@ WRONG = {
 
 @pytest.mark.parametrize("wrong", WRONG)
 def test_what_no_page_says_is_counted_in_the_next_line(logged, wrong):
-    page = logged.log.begin()
+    page = logged.begin()
     page.take(WRONG[wrong])
     page.take(message())
     page.take(WRONG[wrong])
@@ -169,32 +165,6 @@ def test_what_no_page_says_is_counted_in_the_next_line(logged, wrong):
     assert len(logged.lines()) == 2 and logged.said == []
 
 
-NUMBERS = st.integers() | st.floats(width=64) | st.booleans() | st.none()
-ANY = st.recursive(
-    NUMBERS | st.text(max_size=20),
-    lambda inner: st.lists(inner, max_size=12) | st.dictionaries(st.text(max_size=8), inner, max_size=6),
-    max_leaves=60,
-)
-# What a page says, but for one part of it.
-ALMOST = st.builds(
-    lambda key, value: json.dumps({**json.loads(message()), key: value}),
-    st.sampled_from([*json.loads(message())]),
-    ANY | st.lists(st.lists(NUMBERS, min_size=9, max_size=11), max_size=4),
-)
-
-
-@given(st.lists(ALMOST | ANY.map(json.dumps) | st.text(max_size=200), max_size=8))
-def test_whatever_comes_is_a_line_or_an_error(tmp_path_factory, said):
-    with Logged(tmp_path_factory.mktemp("out")) as logged:
-        page = logged.log.begin()
-        for text in said:
-            page.take(text)
-        page.close()
-        lines = logged.lines()
-    assert sum(line.get("errors", 0) for line in lines) + sum("heads" in line for line in lines) == len(said)
-    assert all(len(json.dumps(line)) <= MOST_LINE for line in lines) and logged.said == []
-
-
 SECONDS = st.lists(
     st.tuples(st.floats(1e-3, 1e3), st.floats(0, 6e4), st.floats(-1e6, 1e6)), min_size=1, max_size=MOST_REFRESHES
 )
@@ -202,8 +172,8 @@ SECONDS = st.lists(
 
 @given(st.lists(SECONDS, min_size=1, max_size=4))
 def test_what_a_page_says_is_read_again(tmp_path_factory, seconds):
-    with Logged(tmp_path_factory.mktemp("out")) as logged:
-        page, now_ms, heads, delays = logged.log.begin(), 0.0, [], []
+    with closing(Logged(tmp_path_factory.mktemp("out"))) as logged:
+        page, now_ms, heads, delays = logged.begin(), 0.0, [], []
         for number, second in enumerate(seconds):
             rows = []
             for step_ms, age_ms, x_m in second:
@@ -221,7 +191,7 @@ def test_what_a_page_says_is_read_again(tmp_path_factory, seconds):
 def test_more_than_two_messages_a_second_are_errors(logged, monkeypatch):
     now_s = [100.0]
     monkeypatch.setattr(browser_log.time, "monotonic", lambda: now_s[0])
-    page = logged.log.begin()
+    page = logged.begin()
     for number in range(50):
         page.take(message([refresh(number + 1)], display=None if number else SHOWN))
     assert len(logged.lines()) == 8
@@ -234,10 +204,10 @@ def test_more_than_two_messages_a_second_are_errors(logged, monkeypatch):
 
 @given(st.integers(0, 4000), st.integers(1, 12))
 def test_the_file_is_bounded_and_says_so_once(tmp_path_factory, most, pages):
-    with pytest.MonkeyPatch.context() as patched, Logged(tmp_path_factory.mktemp("out")) as logged:
+    with pytest.MonkeyPatch.context() as patched, closing(Logged(tmp_path_factory.mktemp("out"))) as logged:
         patched.setattr(browser_log, "MOST_BYTES", most)
         for _ in range(pages):
-            page = logged.log.begin()
+            page = logged.begin()
             for _ in range(4):
                 page.take(message())
             page.close()
@@ -251,7 +221,7 @@ def test_the_file_is_bounded_and_says_so_once(tmp_path_factory, most, pages):
 @given(st.integers(0, 3000))
 def test_a_full_disk_leaves_whole_lines_and_ends_nothing(tmp_path_factory, room):
     write = os.write
-    with pytest.MonkeyPatch.context() as patched, Logged(tmp_path_factory.mktemp("out")) as logged:
+    with pytest.MonkeyPatch.context() as patched, closing(Logged(tmp_path_factory.mktemp("out"))) as logged:
 
         def fills(file: int, data: bytes) -> int:
             if (left := room - os.fstat(file).st_size) <= 0:
@@ -259,26 +229,12 @@ def test_a_full_disk_leaves_whole_lines_and_ends_nothing(tmp_path_factory, room)
             return write(file, data[:left])
 
         patched.setattr(browser_log.os, "write", fills)
-        page = logged.log.begin()
+        page = logged.begin()
         for _ in range(8):
             page.take(message())
         assert all("heads" in line for line in logged.lines())
         assert len(logged.said) == (len(logged.lines()) < 8)
         assert all("No space left" in line for line in logged.said)
-
-
-def test_a_file_goes_on_and_one_without_a_line_goes(tmp_path):
-    with Logged(tmp_path):
-        pass
-    assert not (tmp_path / NAME).exists()
-    with Logged(tmp_path) as logged:
-        logged.log.begin().take(message())
-    with Logged(tmp_path) as again:
-        again.log.begin().take(message())
-    assert len(again.lines()) == 2
-    page = again.log.begin()
-    page.take(message())  # a page that ends after its server
-    assert len(again.lines()) == 2
 
 
 def test_a_folder_that_is_none_is_refused_before_the_server_begins(tmp_path):
@@ -287,29 +243,6 @@ def test_a_folder_that_is_none_is_refused_before_the_server_begins(tmp_path):
         SessionLog(tmp_path / "file", print)
     with pytest.raises(InputError, match="--web"):  # reports come by the door
         ServeOptions(out="out")
-
-
-def _rows(folder: Path) -> list[dict[str, str]]:
-    with (folder / "frames.csv").open(encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
-def last_session(folder: Path) -> tuple[Path, list[dict]]:
-    """Return a file of the last session, and its lines: a headset's window has one before it."""
-    lines = [json.loads(line) for line in (folder / NAME).read_text(encoding="utf-8").splitlines()]
-    assert not any(line["errors"] for line in lines)
-    name = lines[-1]["session"]
-    alone = only(folder / NAME, name, folder / "one.jsonl")
-    return alone, [line for line in lines if line["session"] == name]
-
-
-def _picture(folder: Path, number: int, eye: int, size: tuple[int, int]) -> np.ndarray:
-    """Return what a replay showed: of truth, late frame, warped and error, below their labels."""
-    with Image.open(folder / "images" / f"frame-{number:06d}-{('left', 'right')[eye]}.png") as file:
-        strip = np.asarray(file.convert("RGB"))
-    width, height = size
-    at = 2 * (width + (strip.shape[1] - 4 * width) // 3)
-    return strip[-height:, at : at + width]
 
 
 @needs.programs("chromium")
@@ -331,9 +264,7 @@ def test_a_replay_shows_what_the_page_showed(tmp_path, eyes):
     ):
         browser.send("Page.addScriptToEvaluateOnNewDocument", source=CLOCK.replace("1000 / 60", str(REFRESH_MS)))
         wide = (960, 640) if eyes == 1 else (192, 104)
-        browser.send(
-            "Emulation.setDeviceMetricsOverride", width=wide[0], height=wide[1], deviceScaleFactor=1, mobile=False
-        )
+        browser.resize(*wide)
         if eyes == 2:
             wear(browser, CANTED)
         asks = f"&raw&trace=walk&warp=iterative&size=96&rate=120&latency={LATENCY_MS}"
@@ -342,11 +273,14 @@ def test_a_replay_shows_what_the_page_showed(tmp_path, eyes):
         if eyes == 2:
             enter_vr_at_once(browser)
         browser.does("(async () => { while (!hmdwarp.session.shown) await stepped(1); })()")
-        looked = [browser.does(look_after(1)) for _ in range(60)]
+        looked = [look_after(browser, 1) for _ in range(60)]
         browser.does("hmdwarp.session.report.send(hmdwarp.session.time())")
         browser.does("hmdwarp.session.feed.close()")
         browser.until("hmdwarp.session.feed.socket.readyState === 3")
-    alone, lines = last_session(tmp_path / "out")
+    # The last session: a headset's window has one before it.
+    lines = [json.loads(line) for line in (tmp_path / "out" / NAME).read_text(encoding="utf-8").splitlines()]
+    assert not any(line["errors"] for line in lines)
+    alone = only(tmp_path / "out" / NAME, lines[-1]["session"], tmp_path / "one.jsonl")
     views = [HeadsetEye(view_of(view).head_from_eye, Fov(*view["fov"])) for view in looked[0]["views"]]
     size, rate = tuple(looked[0]["views"][0]["size"]), str(1e3 / REFRESH_MS)
     ahead = LATENCY_MS + 500 / 120  # as the page predicts
@@ -364,10 +298,10 @@ def test_a_replay_shows_what_the_page_showed(tmp_path, eyes):
     done = hmdwarp(*command, page=False)
     assert done.returncode == 0, done.stderr
     seen = np.array([np.mean([view["pose"]["position"] for view in look["views"]], axis=0) for look in looked])
-    heads = [head for line in lines for head in line["heads"]]
+    heads = [head for line in lines if line["session"] == lines[-1]["session"] for head in line["heads"]]
     places = {round(head[0] - heads[0][0]): head[1:4] for head in heads}
-    compared = 0
-    for again in (row for row in _rows(tmp_path / "replay") if int(row["eye"]) < eyes):
+    compared, rows = 0, list(csv.DictReader((tmp_path / "replay" / "frames.csv").read_text().splitlines()))
+    for again in (row for row in rows if int(row["eye"]) < eyes):
         at_ms, age_ms = round(1e3 * float(again["time_s"])), float(again["age_ms"])
         if at_ms - age_ms < KNOWN_MS:
             continue  # the page knew how the head had moved before
@@ -379,7 +313,11 @@ def test_a_replay_shows_what_the_page_showed(tmp_path, eyes):
             assert apart.min() < 2e-6  # WebXR has the places of eyes in single precision
             look, eye = looked[apart.argmin()], int(again["eye"])
             assert abs(look["age"] - age_ms) < 1e-3
-            off = pictures_of(look)[eye].astype(int) - _picture(tmp_path / "replay", int(again["frame"]), eye, size)
+            name = f"frame-{int(again['frame']):06d}-{('left', 'right')[eye]}.png"
+            # Of truth, late frame, warped and error side by side, below their labels.
+            strip = np.asarray(Image.open(tmp_path / "replay" / "images" / name).convert("RGB"))
+            at = 2 * (size[0] + (strip.shape[1] - 4 * size[0]) // 3)
+            off = pictures_of(look)[eye].astype(int) - strip[-size[1] :, at : at + size[0]]
             assert np.mean(np.abs(off).max(axis=-1) > 2) <= 0.01 + float(again["hole_share"])
             compared += 1
     assert compared >= 2 * eyes

@@ -233,11 +233,9 @@ PICTURE = THING + 76 + 14
     ],
 )
 def test_what_is_no_panel_is_refused_in_a_line(browser, change, message):
-    assert message in browser.does(brought([Panel(LABEL, Pose(), (1, 1))], change))
-
-
-def test_more_panels_than_fit_are_refused(browser):
-    assert "of places" in browser.does(brought([Panel(LABEL, Pose(), (1, 1))] * 16))
+    panel = Panel(LABEL, Pose(), (1, 1))
+    assert message in browser.does(brought([panel], change))
+    assert "of places" in browser.does(brought([panel] * 16)), "more than fit"
 
 
 @pytest.mark.parametrize("video", [H264, VP9, AV1])
@@ -306,3 +304,33 @@ def test_depth_that_is_missing_is_told_by_its_place(browser):
         "(async () => (await new VideoEye({ size: [64, 64], colour: 3 }).decode({ place: 3, begins: false }, {})) "
         "=== null)()"
     )
+
+
+MASKED = """
+(mask) => {
+  const size = [48, 40], pose = { position: [0, 0, 0], orientation: [0, 0, 0, 1] };
+  const shown = { pose, fov: [-0.7, 0.7, -0.6, 0.6], size };
+  const colour = new Uint8Array(4 * 48 * 40).fill(200).map((value, k) => (k % 4 === 3 ? 255 : value));
+  chain.takeIn(0, { size, colour, depth: { numbers: new Float32Array(48 * 40).fill(0.5) }, view: shown });
+  const seen = mask && chain.mask(new Float32Array(mask), new Uint32Array([0, 1, 2])), { target } = chain.scratch(size);
+  return ["iterative", "rotation", "mesh:grid=64"].map((name) => {
+    chain.draw(target, shown.size, 0);
+    chain.gl.clear(chain.gl.COLOR_BUFFER_BIT);
+    chain.show(0, { ...shown, mask: seen }, name, target);
+    return packed(chain.pixels(target, shown.size));
+  });
+}
+"""
+
+
+def test_what_a_lens_hides_is_not_drawn(browser):
+    """Half of the tangents, a triangle: its pixels are those of the whole picture, no others are
+    drawn.
+    """
+    x, y = np.tan([0.7, 0.6]).tolist()
+    found = [browser.does(f"({MASKED})({json.dumps(mask)})") for mask in (None, [-x, -y, x, -y, -x, y])]
+    pictures = ([np.frombuffer(base64.b64decode(text), np.uint8).reshape(40, 48, 4) for text in one] for one in found)
+    inside = np.add.outer((np.arange(40) + 0.5) / 20, -(np.arange(48) + 0.5) / 24) > 0
+    for full, part in zip(*pictures, strict=True):
+        assert (full[..., :3] > 150).all()
+        np.testing.assert_array_equal(part[..., :3], np.where(inside[..., None], full[..., :3], 0))

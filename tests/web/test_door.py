@@ -1,15 +1,20 @@
-"""The door for browsers: who is let in, what is given, and what passes to the feed."""
+"""The door for browsers: who is let in, what is given, what passes to the feed; random requests and
+messages, and peers that are slow or too many.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import hashlib
+import itertools
 import json
 import socket
 import ssl
+import struct
+import time
 import urllib.error
 import urllib.request
-from contextlib import asynccontextmanager
+from contextlib import ExitStack, asynccontextmanager, closing, suppress
 from http.cookiejar import CookieJar
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -19,24 +24,35 @@ import attrs
 import needs
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from properties import ONE_FIXTURE_FOR_ALL
 from recorded_folders import taken, write_npz
 from serving import Serving
+from sources.feed.exchange import exchanged, port_of
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose, View
 from hmdwarp.run import ServeOptions
+from hmdwarp.sources.feed import sockets
+from hmdwarp.sources.feed.caller import Caller
+from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import RGBA8, FrameMessage, Refusal, decode, encode
-from hmdwarp.web import Door
+from hmdwarp.web import Door, visitors
+from hmdwarp.web.visitors import MOST_VISITORS
 
-from .crowd import EYES, ask
+from .crowd import EYES, Crowd, ask, held_by
+
+NOWHERE = ("tcp://127.0.0.1:1", {}, {})
 
 
 @pytest.fixture(scope="module")
 def serving(tmp_path_factory):
-    secret = tmp_path_factory.mktemp("secret") / "secret"
-    secret.write_text("a shared secret", encoding="utf-8")
-    with Serving("--web", "127.0.0.1:*", "--token-file", str(secret)) as server:
-        server.door = server.line("for a browser").split()[-1]
+    folder = tmp_path_factory.mktemp("serving")
+    (folder / "secret").write_text("a shared secret", encoding="utf-8")
+    options = ("--web", "127.0.0.1:*", "--token-file", str(folder / "secret"), "--out", str(folder / "out"))
+    with Serving(*options) as server:
+        server.door = server.next = server.line("for a browser").split()[-1]
         yield server
 
 
@@ -50,9 +66,15 @@ def opened(address: str, jar: CookieJar | None = None, **headers: str):
         return error.code, error.headers, error.read().decode()
 
 
+def let_in(server: Serving) -> tuple[str, CookieJar]:
+    """The address without its token, and the cookie that it brought."""
+    address, jar = server.line("for a browser").split()[-1], CookieJar()
+    assert opened(address, jar)[0] == 200
+    return address.partition("?")[0], jar
+
+
 @pytest.fixture(scope="module")
 def inside(serving):
-    """The address without its token, and the cookie that it brought."""
     jar = CookieJar()
     status, _, text = opened(serving.door, jar)
     assert status == 200 and "<canvas" in text
@@ -60,25 +82,21 @@ def inside(serving):
     return serving.door.partition("?")[0], jar
 
 
-def test_the_token_counts_once(serving, inside):
+class Stay(urllib.request.HTTPRedirectHandler):
+    def redirect_request(self, *_):
+        return None
+
+
+def test_the_token_counts_once_and_what_a_page_asks_stays_when_it_goes(serving, inside):
     assert opened(serving.door)[0] == 403
     jar = CookieJar()
-    assert opened(serving.next, jar)[0] == 200
-    serving.next = serving.line("for another one").split()[-1]
-    (cookie,) = jar
-    assert cookie.has_nonstandard_attr("HttpOnly") and cookie.get_nonstandard_attr("SameSite") == "Strict"
-
-
-def test_what_a_page_asks_stays_when_the_token_goes(serving, inside):
-    class Stay(urllib.request.HTTPRedirectHandler):
-        def redirect_request(self, *_):
-            return None
-
+    going = urllib.request.build_opener(Stay, urllib.request.HTTPCookieProcessor(jar))
     with pytest.raises(urllib.error.HTTPError) as told:
-        urllib.request.build_opener(Stay).open(f"{serving.next}&trace=walk&latency=200")
-    serving.next = serving.line("for another one").split()[-1]
+        going.open(f"{serving.next}&trace=walk&latency=200")
     assert told.value.headers["Location"] == "/?trace=walk&latency=200"
     told.value.close()
+    (cookie,) = jar
+    assert cookie.has_nonstandard_attr("HttpOnly") and cookie.get_nonstandard_attr("SameSite") == "Strict"
 
 
 OWN = ["", "session.json", "shaders.json", "main.js", "traces/walk.json", "feed"]
@@ -125,7 +143,7 @@ async def feed(address: str, jar: CookieJar):
         yield socket
 
 
-async def _spoken(address: str, jar: CookieJar, messages: list[bytes | str], answers: int) -> list[bytes]:
+async def _spoken(address: str, jar: CookieJar, messages: tuple[bytes | str, ...], answers: int) -> list[bytes]:
     found: list[bytes] = []
     async with feed(address, jar) as socket:
         for message in messages:
@@ -137,7 +155,7 @@ async def _spoken(address: str, jar: CookieJar, messages: list[bytes | str], ans
 
 def spoken(inside, *messages: bytes | str, answers: int = 1) -> list:
     """What a WebSocket of the page hears; [] where it is closed first."""
-    return [decode(data) for data in asyncio.run(_spoken(*inside, list(messages), answers))]
+    return [decode(data) for data in asyncio.run(_spoken(*inside, messages, answers))]
 
 
 def test_the_feed_is_spoken_as_it_is(inside):
@@ -174,49 +192,54 @@ def test_who_reads_slowly_slows_nobody_and_gets_the_newest(inside):
     assert late == sorted(late) and late[-1] == 40 and len(late) <= 9
 
 
-def test_what_the_server_refuses_is_told(inside):
+def test_what_the_server_refuses_is_told_and_who_speaks_otherwise_is_cut(inside):
     broken = bytearray(ask())
     broken[84:88] = (9000).to_bytes(4, "little")
     (told,) = spoken(inside, bytes(broken))
     assert isinstance(told, Refusal) and "9000" in told.text
-
-
-@pytest.mark.parametrize("message", ["text", b"", b"x" * 50, b"x" * 100_000])
-def test_who_speaks_otherwise_is_cut(inside, message):
-    assert spoken(inside, message) == []
-
-
-async def _silent(address: str, jar: CookieJar) -> bool:
-    """Whether a page that says nothing is told to go."""
-    async with feed(address, jar) as socket:
-        return (await socket.receive()).type in (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSED)
+    for message in (b"", b"x" * 50, b"x" * 100_000):
+        assert spoken(inside, message) == []
 
 
 def test_who_says_nothing_is_cut(monkeypatch):
     """One that has spoken stays: a page that is hidden says nothing either."""
-    monkeypatch.setattr("hmdwarp.web.visitors.SILENT_S", 1.0)
-    door, jar = Door("127.0.0.1:*", "tcp://127.0.0.1:1", {}, {}), CookieJar()
-    try:
+    monkeypatch.setattr(visitors, "SILENT_S", 1.0)
+    jar = CookieJar()
+    with closing(Door("127.0.0.1:*", *NOWHERE)) as door:
         opened(door.address, jar)
-        assert asyncio.run(_silent(door.address.partition("?")[0], jar))
-    finally:
-        door.close()
+        assert spoken((door.address.partition("?")[0], jar)) == []
 
 
-@pytest.mark.parametrize(
-    ("refused", "words"),
-    [
-        (lambda taken, _: Door("0.0.0.0:*", "tcp://127.0.0.1:1", {}, {}), "beyond this machine it wants --certificate"),
-        (lambda taken, _: Door("5580", "tcp://127.0.0.1:1", {}, {}), "expected HOST:PORT"),
-        (lambda taken, _: Door(taken, "tcp://127.0.0.1:1", {}, {}), "take another port"),
-        (lambda *_: ServeOptions.of({"certificate": "some.pem"}), "it is for --web"),
-        (lambda _, frames: ServeOptions.of({"frames": frames, "scene": "box"}), "--scene with --frames: recorded"),
-        (lambda *_: ServeOptions.of({"repair": "edges"}), "--repair edges: a rendered scene lacks no depth"),
-    ],
-)
-def test_what_no_door_can_be_opened_by_is_refused(serving, tmp_path, refused, words):
-    with pytest.raises(InputError, match=words):
-        refused(urlsplit(serving.door).netloc, tmp_path)
+REFUSED = [  # by a place that is taken and a folder
+    (lambda *_: Door("0.0.0.0:*", *NOWHERE), "beyond this machine it wants --certificate"),
+    (lambda *_: Door("5580", *NOWHERE), "expected HOST:PORT"),
+    (lambda taken, _: Door(taken, *NOWHERE), "take another port"),
+    (lambda _, folder: certified(folder / "wrong.pem"), "expected a PEM file with a private key"),
+    (lambda _, folder: certified(folder), "is a directory"),
+    (lambda _, folder: certified(folder / "missing.pem"), "without the program openssl: install it, or name a PEM"),
+    (lambda *_: ServeOptions.of({"certificate": "some.pem"}), "it is for --web"),
+    (lambda _, folder: ServeOptions.of({"frames": folder, "scene": "box"}), "--scene with --frames: recorded"),
+    (lambda *_: ServeOptions.of({"repair": "edges"}), "--repair edges: a rendered scene lacks no depth"),
+]
+
+
+def certified(pem: Path) -> Door:
+    return Door("127.0.0.1:*", *NOWHERE, certificate=pem)
+
+
+@pytest.mark.parametrize(("make", "words"), REFUSED, ids=[words[:20] for _, words in REFUSED])
+def test_what_no_door_can_be_opened_by_is_refused(serving, tmp_path, monkeypatch, make, words):
+    (tmp_path / "wrong.pem").write_text("no key\n", encoding="utf-8")
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(InputError, match=words) as told:
+        make(urlsplit(serving.door).netloc, tmp_path)
+    assert len(str(told.value).splitlines()) == 1 and len([*tmp_path.iterdir()]) == 1
+
+
+@needs.programs("openssl")
+def test_a_certificate_that_cannot_be_written_is_told(tmp_path):
+    with pytest.raises(InputError, match="cannot be made"):
+        certified(tmp_path / "none" / "in.pem")
 
 
 def https(address: str, pem: Path):
@@ -237,12 +260,9 @@ def test_a_certificate_is_made_once_for_where_it_listens(tmp_path, host):
     """Python's client checks the name too; what is printed of 0.0.0.0 is an address to open."""
     pem, said, seen = tmp_path / "made.pem", [], []
     for _ in range(2):
-        door = Door(f"{host}:*", "tcp://127.0.0.1:1", {}, {}, certificate=pem, say=said.append)
-        try:
+        with closing(Door(f"{host}:*", *NOWHERE, certificate=pem, say=said.append)) as door:
             assert "0.0.0.0" not in door.address
             answer, fingerprint = https(door.address, pem)
-        finally:
-            door.close()
         assert "303 See Other" in answer and "; Secure" in answer
         seen.append(fingerprint)
     assert seen[0] == seen[1] and pem.stat().st_mode & 0o777 == 0o600 and [*tmp_path.iterdir()] == [pem]
@@ -250,31 +270,11 @@ def test_a_certificate_is_made_once_for_where_it_listens(tmp_path, host):
     assert {line.split()[-1].replace(":", "").lower() for line in said if "fingerprint" in line} == {*seen}
 
 
-def test_what_is_no_certificate_is_told(tmp_path, monkeypatch):
-    wrong, missing = tmp_path / "wrong.pem", tmp_path / "missing.pem"
-    wrong.write_text("no key\n", encoding="utf-8")
-
-    def refused(pem: Path, why: str) -> None:
-        with pytest.raises(InputError, match=why) as told:
-            Door("127.0.0.1:*", "tcp://127.0.0.1:1", {}, {}, certificate=pem)
-        assert len(str(told.value).splitlines()) == 1
-
-    refused(wrong, "expected a PEM file with a private key")
-    refused(tmp_path, "is a directory")
-    if needs.program("openssl"):
-        refused(tmp_path / "none" / "in.pem", "cannot be made")
-    monkeypatch.setenv("PATH", "")
-    refused(missing, "without the program openssl: install it, or name a PEM file")
-    assert not missing.exists()
-
-
 def test_recorded_frames_are_given_as_the_camera_took_them(tmp_path):
     """Squeezed into the pixels asked for, with the camera's own view and head."""
     write_npz(tmp_path, frames := taken(6, (64, 48)))
     with Serving("--frames", str(tmp_path), "--web", "127.0.0.1:*") as server:
-        jar, address = CookieJar(), server.line("for a browser").split()[-1]
-        opened(address, jar)
-        place = address.partition("?")[0]
+        place, jar = let_in(server)
         about = json.loads(opened(f"{place}session.json", jar)[2])
         assert about["head"] == about["traces"][0] == "as-recorded"
         samples = json.loads(opened(f"{place}traces/as-recorded.json", jar)[2])["samples"]
@@ -286,12 +286,161 @@ def test_recorded_frames_are_given_as_the_camera_took_them(tmp_path):
 
 
 def test_a_file_is_a_scene_too():
-    """Its lamps are on; the view looks at its wall."""
+    """Its lamps are on; the view looks at its wall. Nobody wants reports: who sends one is cut."""
     file = str(Path(__file__).parents[1] / "scenes" / "files" / "lamps-of-blender.glb")
     with Serving("--scene", file, "--web", "127.0.0.1:*") as server:
-        jar, address = CookieJar(), server.line("for a browser").split()[-1]
-        opened(address, jar)
-        start = json.loads(opened(address.partition("?")[0] + "session.json", jar)[2])["viewpoint"]
+        place, jar = let_in(server)
+        start = json.loads(opened(f"{place}session.json", jar)[2])["viewpoint"]
         view = View(Pose(start["position"], start["orientation"]), EYES[0].fov)
-        (frame,) = spoken((address.partition("?")[0], jar), encode(attrs.evolve(decode(ask()), views=(view,))))
+        (frame,) = spoken((place, jar), encode(attrs.evolve(decode(ask()), views=(view,))))
         assert frame.colours[0][..., :3].max() > 0 and frame.inverse_depths[0].max() > 0
+        assert spoken((place, jar), "text") == []
+
+
+# --- whatever comes ---
+
+KINDS = settings(max_examples=60, suppress_health_check=ONE_FIXTURE_FOR_ALL)
+
+
+def place(serving) -> tuple[str, int]:
+    return urlsplit(serving.door).hostname, urlsplit(serving.door).port
+
+
+def answer(serving, *pieces: bytes) -> bytes:
+    """What comes back until the door closes, which may be before all is sent."""
+    found = b""
+    with socket.create_connection(place(serving)) as one, suppress(OSError):  # cut, or so when it is to be shut
+        one.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        for piece in pieces:
+            one.sendall(piece)
+            time.sleep(0.002 * (len(pieces) > 1))
+        one.shutdown(socket.SHUT_WR)
+        while more := one.recv(1 << 16):
+            found += more
+    return found
+
+
+LINES = st.sampled_from(
+    [b"Host: 127.0.0.1", b"Host: [", b"Origin: null", b"Cookie: hmdwarp-1=\xff", b'Cookie: a="\\377\\400', b"\0: \0",
+     b"Upgrade: websocket", b"Connection: Upgrade", b"Connection: close", b"Content-Length: 9", b"Content-Length: -1",
+     b"Transfer-Encoding: chunked", b"Expect: 100-continue", b"Sec-WebSocket-Version: 13", b"Sec-WebSocket-Key: x",
+     b"Range: bytes=9-", b" folded"]
+)  # fmt: skip
+TARGETS = st.sampled_from(
+    [b"/", b"/feed", b"/?token=%ff", b"/?token=\xfe", b"*", b"http://[", b"http://a:99999999/", b"//[::/", b"/%00",
+     b"\xff", b"/..;/"]
+)  # fmt: skip
+METHODS = st.sampled_from([b"GET", b"HEAD", b"POST", b"OPTIONS", b"CONNECT", b"PRI", b"\xff", b""])
+HEADS = st.builds(
+    lambda method, target, lines, end: b"\r\n".join([method + b" " + target + b" HTTP/1.1", *lines]) + end,
+    METHODS,
+    TARGETS,
+    st.lists(LINES | st.binary(max_size=40), max_size=8),
+    st.sampled_from([b"\r\n\r\n", b"\n\n", b"\r\n", b""]),
+)
+
+
+@KINDS
+@given(HEADS | st.binary(max_size=300), st.lists(st.integers(0, 400), max_size=4), st.integers(0, 3))
+def test_any_request_is_refused_without_a_traceback(serving, request_, cuts, stopped):
+    """Whole or in pieces, each on its way before the next; others stop within meanwhile."""
+    ends = sorted({min(cut, len(request_)) for cut in cuts})
+    pieces = [request_[first:last] for first, last in itertools.pairwise([0, *ends, len(request_)])]
+    with ExitStack() as stack:
+        for _ in range(stopped):
+            stack.enter_context(socket.create_connection(place(serving))).sendall(pieces[0])
+        found = answer(serving, *pieces)
+    assert not found or int(found.split()[1]) in range(400, 432), found[:200]
+    assert "Traceback" not in "".join(serving._said)
+
+
+NUMBERS = st.floats(width=64) | st.integers(-(2**70), 2**70) | st.sampled_from([1e-320, 1e20, 10**400])
+JSONS = st.recursive(
+    NUMBERS | st.text(max_size=8) | st.none() | st.booleans(),
+    lambda inner: st.lists(inner, max_size=12) | st.dictionaries(st.text(max_size=6), inner, max_size=4),
+)
+REPORTS = st.fixed_dictionaries(
+    dict.fromkeys(("display", "warp", "missed", "delays_ms"), JSONS)
+    | {"refreshes": JSONS | st.lists(st.lists(NUMBERS, min_size=10, max_size=10))}
+)
+
+
+def changed(fields: list[tuple[int, float]]) -> bytes:
+    """A request with some of its numbers changed, of eight bytes each, behind its token."""
+    data = bytearray(ask())
+    for at, number in fields:
+        struct.pack_into("<d", data, 84 + at % (len(data) - 92), number)
+    return bytes(data)
+
+
+FIELDS = st.lists(st.tuples(st.integers(0, 500), st.floats()), min_size=1, max_size=4)
+MESSAGES = (
+    st.builds(json.dumps, REPORTS | JSONS) | st.text(max_size=99) | st.binary(max_size=400) | st.builds(changed, FIELDS)
+)
+
+
+@KINDS
+@given(st.lists(MESSAGES, max_size=6))
+def test_any_message_leaves_the_next_page_its_frame(serving, inside, messages):
+    for message in messages:
+        spoken(inside, message, answers=0)
+    assert isinstance(spoken(inside, ask())[0], FrameMessage)
+    assert not any("internal error" in line or "Traceback" in line for line in serving._said)
+
+
+def is_open(one: socket.socket) -> bool:
+    """Whether the server has not cut it; what it sent is passed over."""
+    one.setblocking(False)
+    with suppress(ConnectionError):
+        try:
+            while one.recv(1 << 12):
+                pass
+        except BlockingIOError:
+            return True
+    return False
+
+
+def test_an_address_has_its_places_at_both_doors_together(monkeypatch):
+    """Those who say nothing make room at either door, so that clients and pages find some."""
+    for name, value in (("IDLE_NS", 10**15), ("SILENT_NS", 10**15)):
+        monkeypatch.setattr(sockets, name, value)
+    monkeypatch.setattr(visitors, "SILENT_S", 1e6)
+    with closing(Listener("127.0.0.1:*", per_address=4)) as listener, ExitStack() as stack:
+        door = stack.enter_context(closing(Door("127.0.0.1:*", listener.address, {}, {}, places=listener.places)))
+        web, feed = (("127.0.0.1", port_of(one.partition("/?")[0])) for one in (door.address, listener.address))
+        silent, callers = [], []
+        for left in (4, 3, 2, 1):
+            for doors in ((web, feed), (web,), (feed, web)):
+                silent += [stack.enter_context(socket.create_connection(one)) for one in doors * 10]
+                while sum(map(is_open, silent)) > left:
+                    for caller in callers or [None]:
+                        _ = exchanged(caller, listener) if caller else listener.next(1)
+            callers.append(stack.enter_context(closing(Caller(listener.address))))
+            exchanged(callers[-1], listener)
+            with pytest.raises(ConnectionError if left == 1 else urllib.error.HTTPError):
+                urllib.request.urlopen(door.address.partition("?")[0])
+
+
+def test_a_crowd_shuts_nobody_out_and_leaves_nothing_behind(serving, inside):
+    """More than all may be at both doors, from one address."""
+    cookie = "; ".join(f"{one.name}={one.value}" for one in inside[1])
+    asyncio.run(Crowd(serving, cookie).all(1.0, 0, 1))
+    before_mib, before = held_by(serving.process.pid)
+    crowd = Crowd(serving, cookie)
+    asyncio.run(crowd.all(5.0, 6 * MOST_VISITORS, 6))
+    assert crowd.frames >= 5
+    left_s = time.monotonic()
+    while held_by(serving.process.pid)[1] > before and time.monotonic() - left_s < 100:
+        time.sleep(0.1)
+    after_mib, after = held_by(serving.process.pid)
+    assert after <= before and after_mib < before_mib + 64
+
+
+def test_who_never_finishes_a_head_is_cut(serving):
+    """And so is one that is sent what it does not read."""
+    with socket.create_connection(place(serving)) as silent, socket.create_connection(place(serving)) as slow:
+        slow.sendall(b"GET / HTTP/1.1\r\n")
+        for one in (silent, slow):
+            with suppress(ConnectionResetError):
+                assert one.recv(1) == b""
+    assert serving.line("no whole request")

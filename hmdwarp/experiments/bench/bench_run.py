@@ -8,8 +8,8 @@ import json
 import math
 import os
 import platform
-import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
@@ -41,7 +41,7 @@ from ...options.identity import hash_of_files, program_hash
 from ...options.named_files import RESULTS
 from ...pipeline import Source
 from ...pipeline.recorded_source import RecordingSource
-from ...pipeline.sizes import build_plan_for, check_held, eye_sizes
+from ...pipeline.sizes import build_plan_for
 from ...platforms import memory_bytes
 from ...report import SCHEMA, OutputFolder, summary_faults, write_paper
 from ...report.bench.crops import Crops, packed, unpacked
@@ -51,8 +51,7 @@ from ...resources import import_extra
 from ...run import ReplayRun, measuring, set_up_replay
 from ...run.options import refuse_one_name
 from ...run.run_summary import machine_of, summary_of_rows
-from ...sources.sequences.readers import readers
-from ..sweep import MOST_SHOWN, ExperimentResult, Measuring, Result, SweepCase, experiment
+from ..sweep import MOST_SHOWN, ExperimentResult, Result, SweepCase, experiment, with_threads
 from .cases import (
     BenchCase,
     baselines,
@@ -99,7 +98,7 @@ def row_of(
         "frames": len(pictures),
         "client": client.name,
         # Why the client cannot run it.
-        "lacks": lacks if combination.is_outside else lacking(combination.plan, client),
+        "lacks": lacks if combination.warp in measuring.PLANLESS else lacking(combination.plan, client),
         # The system that the warp stands for.
         "baseline": baselines().get(combination.warp, ""),
         "at_instants": {
@@ -135,17 +134,6 @@ class Rows(list[dict[str, Any]]):
         return frame.astype({name: kinds[COLUMNS[name].kind] for name in NAMES if COLUMNS[name].is_number})
 
 
-def _left_out_notes(rows: Sequence[Row], client: Client) -> list[str]:
-    """Return which rows of bench.json the front leaves out."""
-    rows = [row for row in rows if row["warp"] != measuring.ORACLE]
-    lacking = [row for row in rows if row["lacks"]]
-    if not lacking:
-        return []
-
-    names = ", ".join(dict.fromkeys(map(row_name, lacking)))
-    return [f"Not in the front: client '{client.name}' ({client.summary}) cannot run {names}. --client names another."]
-
-
 ROWS, CROPS = "rows", "crops.npz"
 _MOST_METHODS = 5  # side by side
 _MOST_CROPS = 3  # cases of a page that have crops: a megabyte each
@@ -153,7 +141,7 @@ _MOST_CROPS = 3  # cases of a page that have crops: a megabyte each
 
 @functools.cache
 def examined() -> tuple[dict[str, Any], float]:
-    """Return what bench.json says of this machine, and most_bytes: once in each process."""
+    """Return what bench.json says of this machine, and the bytes for the passes of a batch."""
     with Gpu() as gpu:
         clocks = gpu.timer.check
         about = {
@@ -161,23 +149,8 @@ def examined() -> tuple[dict[str, Any], float]:
             "clock": clocks.clock,
             "clocks": {"wall_ms": clocks.wall_ms, "gpu_ms": clocks.gpu_ms, "note": clocks.note},
         }
-        return about, _most_bytes(gpu)
-
-
-def check_room(works: Sequence[BenchCase]) -> None:
-    """Check that this machine can hold what each case needs. Errors: as check_held."""
-    with Gpu() as gpu:
-        for work in works:
-            headset = work.headset
-            for batch in work.batched(_most_bytes(gpu)):
-                run = work.run_of(batch)
-                sizes = eye_sizes(run.guard_band, headset, run.size or headset.eye_size_px)
-                check_held(gpu, run, needs_of(c.plan for c in batch), sizes, run.rate_hz or headset.refresh_hz)
-
-
-def _most_bytes(gpu: Gpu) -> float:
-    """Return what the compensators of one batch may take."""
-    return measuring.MEMORY_PART * memory_bytes() if gpu.is_software else measuring.GPU_BATCH_BYTES
+        most = measuring.MEMORY_PART * memory_bytes() if gpu.is_software else measuring.GPU_BATCH_BYTES
+        return about, most
 
 
 def _run_case(threads: MeasuringThreads, case: SweepCase, step: Callable[[float], None]) -> Result:
@@ -193,7 +166,7 @@ def _run_case(threads: MeasuringThreads, case: SweepCase, step: Callable[[float]
 
     rows: list[tuple[measuring.Combination, dict[str, Any]]] = []
     for batch in chosen:
-        with work.set_up(batch) as setup:
+        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
             comparison = measuring.Comparison(setup, work.case, batch, pool, options.rounds)
             comparison.run(options.instants, steps)
             pool.wait()
@@ -217,95 +190,45 @@ def _crops(
     flips = sorted((flip, int(number)) for row in best[:1] for number, flip in row["at_instants"][PRIMARY].items())
     numbers = {"worst": flips[-1][1], "typical": flips[(len(flips) - 1) // 2][1]} if flips else {}
     for batch in chosen:
-        wanted = [made_by[id(row)] for row in best if made_by[id(row)] in batch]
+        wanted = {row_name(row): made_by[id(row)] for row in best if made_by[id(row)] in batch}
         if not wanted:
             continue
-        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in wanted)) as setup:
-            beside = measuring.SideBySide(setup, wanted)
+        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in wanted.values())) as setup:
+            beside = measuring.SideBySide(setup, [*wanted.values()])
             measured = measuring.instants_of(setup.schedule.count, work.options.instants)
             turns = {number: measured.index(number) for number in numbers.values()}
             for number, refresh in beside.refreshes(turns, turns):
                 pictures = beside.pictures(refresh, turns[number] % len(refresh.inputs))
-                for combination, picture in zip(wanted, pictures, strict=True):
-                    setup.hand_in(pool, (number, *_named(combination)), QualityJob(picture), keep=True)
+                for name, picture in zip(wanted, pictures, strict=True):
+                    setup.hand_in(pool, (number, name), QualityJob(picture), keep=True)
             pool.wait()
     kept = {each.key: each for each in pool.kept}
-    return [
-        Crops.of(which, {row_name(row): kept[number, *_named(made_by[id(row)])] for row in best})
-        for which, number in numbers.items()
-    ]
+    names = [row_name(row) for row in best]
+    return [Crops.of(which, {name: kept[number, name] for name in names}) for which, number in numbers.items()]
 
 
-def _named(combination: measuring.Combination) -> tuple[str, ...]:
-    return combination.strategy, combination.warp, combination.fill
-
-
-_FILE = Path(__file__).with_name("further.toml")
 # A recording shows no more than was taken, so its guard band is cut off what is shown.
 _GUARD = 1.25
 
 
-@attrs.frozen
-class Recipe:
-    """A scene that does not ship."""
+def further(options: BenchOptions, place: Path) -> tuple[BenchOptions, Source, dict[str, Any]]:
+    """Return the options and source of what a suite takes besides, and what bench.json says of it.
 
-    get: str
-    credit: str
-    # In the folder of --also.
-    file: str
-    # See hash_of_files.
-    sha256: str
-
-    def missing(self, folder: Path | None) -> str:
-        """Return why it cannot take part, "" if it can."""
-        if folder is None or not (folder / self.file).is_file():
-            return f"get {self.get}, and name its folder by --also DIR; expected DIR/{self.file}"
-        found = hash_of_files(folder / self.file)
-        changed = f"{folder / self.file}: SHA-256 {found} with the files that it names; expected {self.sha256}"
-        return "" if found == self.sha256 else f"{changed}; get {self.get} again"
-
-
-def recipes() -> dict[str, Recipe]:
-    """Return all recipes by name."""
-    return {name: Recipe(**entry) for name, entry in tomllib.loads(_FILE.read_text(encoding="utf-8")).items()}
-
-
-def further(options: BenchOptions) -> tuple[list[BenchOptions], list[str]]:
-    """Return the options of a suite's further parts, and a sentence on each missing scene."""
-    if not options.suite:
-        return [], []
-    found, told, folder = [], [], options.also
-    for name in suites()[options.suite].recipes:
-        recipe = recipes()[name]
-        if why := recipe.missing(folder):
-            told.append(f"without {recipe.credit}: {why}")
-        elif folder is not None:
-            found.append(attrs.evolve(options, scenes=(str(folder / recipe.file),)))
-    if folder is not None and not folder.is_dir():
-        raise InputError(f"--also {folder}: no such folder; expected one of scenes and of recorded sequences")
-    for place in sorted(each for each in folder.iterdir() if each.is_dir()) if folder is not None else ():
-        if any(reader.fits(place) for reader in readers):
-            found.append(_recorded(options, place))
-    return found, told
-
-
-def _recorded(options: BenchOptions, folder: Path) -> BenchOptions:
-    """Return the options of a bench of a sequence, with at most as many pixels as the suite has."""
-    recorded = attrs.evolve(options, frames=folder, recordings=("",), guard=_GUARD)
-    source = source_of(recorded, "")
-    (wide, high), (w, h) = source.headset.eye_size_px, options.sizes[0]
-    scale = min(1.0, math.sqrt(w * h / (wide * high)))
-    size = (round(wide * scale), round(high * scale))
-    return attrs.evolve(recorded, scenes=(source.scene.name,), sizes=(size,))
-
-
-def about_sequence(options: BenchOptions) -> dict[str, Any]:
-    """Return what bench.json says of a recorded sequence: name, hash and noise floor."""
-    assert options.frames is not None
-    source = source_of(options, "")
-    assert isinstance(source, RecordingSource)
-    floor = source.sequence.noise_floor_db
-    return {"name": source.scene.name, "sha256": hash_of_files(options.frames), "noise_floor_db": floor}
+    place: a scene file, or a folder of recorded frames, which has at most as many pixels as the
+    suite. A figure above the noise floor of such a sequence is noise.
+    """
+    if not place.is_dir():
+        options = attrs.evolve(options, also=(), scenes=(str(place),))
+        source, floor_db = source_of(options, str(place)), None
+    else:
+        options = attrs.evolve(options, also=(), frames=place, recordings=("",), guard=_GUARD)
+        source = source_of(options, "")
+        assert isinstance(source, RecordingSource)
+        (wide, high), (w, h) = source.headset.eye_size_px, options.sizes[0]
+        scale, floor_db = min(1.0, math.sqrt(w * h / (wide * high))), source.sequence.noise_floor_db
+        size = (round(wide * scale), round(high * scale))
+        options = attrs.evolve(options, scenes=(source.scene.name,), sizes=(size,))
+    return options, source, {"name": source.scene.name, "sha256": hash_of_files(place), "noise_floor_db": floor_db}
 
 
 FILES = ("bench.csv", "bench.html", *PAPER, "bench.json")
@@ -346,22 +269,20 @@ def bench(
         sizes = options.sizes if options.sizes != DEFAULT_SIZES else (headset.eye_size_px,)
         options = attrs.evolve(options, scenes=(source.scene.name,), recordings=("",), sizes=sizes)
     works, notes = _checked(options, headset, source)
-    parts, without = further(options)
-    for text in without:
-        say(text)
-    notes += without
-    for part in parts:
-        place = source_of(part, part.scenes[0])
-        added, told = _checked(part, place.headset, place)
+    also = [further(options, place) for place in options.also]
+    for part, its_source, _ in also:
+        added, told = _checked(part, its_source.headset, its_source)
         works, notes = works + added, notes + told
-    if options.sweep.cluster is None:
-        check_room(works)
     if options.suite:
         pictures = sum(case.instants * len(case.combinations) for case in works)
         say(f"suite {options.suite} {suites()[options.suite].version}: {len(works)} cases, {pictures} pictures")
-    work = Measuring(_run_case, options.sweep.measuring(options.workers))
+    work = partial(with_threads, _run_case, options.sweep.measuring(options.workers))
     with experiment(options, FILES, work, list(map(_case, works)), progress, say) as (out, swept, described):
         rows = swept.rows(lambda result: result.get(ROWS, ()))
+        if unfit := [row_name(row) for row in rows if row["warp"] != measuring.ORACLE and row["lacks"]]:
+            names = ", ".join(dict.fromkeys(unfit))
+            about = f"client '{client.name}' ({client.summary}) cannot run {names}"
+            notes.append(f"Not in the front: {about}. --client names another.")
         first = next(result for _, result in swept.results())
         data = described(
             {
@@ -370,11 +291,10 @@ def bench(
                 "client": client.name,
                 "notes": [
                     *notes,
-                    *_left_out_notes(rows, client),
                     *(f"{failure.name}: failed: {failure.why}" for failure in swept.failed),
                 ],
                 "rows": rows,
-                **suite_entry(options.suite, rows, [about_sequence(part) for part in parts if part.frames is not None]),
+                **suite_entry(options.suite, rows, [about for _, _, about in also]),
             }
         )
         files = (swept.kept.file(case.identity, CROPS) for case in itertools.islice(swept.done, _MOST_CROPS))

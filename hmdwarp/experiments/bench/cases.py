@@ -11,7 +11,7 @@ import attrs
 
 from ...client import every_baseline, every_warp, fill_text, parse_fills, parse_warp
 from ...client.effects import effects
-from ...client.plan import CLIENT_MODEL, OTHERS, Plan, build_plan, needs_of
+from ...client.plan import CLIENT_MODEL, OTHERS, Plan, build_plan
 from ...client.strategies import has_own_link, options_of_strategy
 from ...client.warps import warps
 from ...errors import MachineError, PlanError, listed
@@ -26,16 +26,14 @@ from ...pipeline.sizes import build_plan_for, check_suited, guarded_size
 from ...poses import LoadedTrace, PoseTrack, load_trace
 from ...run.measuring import OUTSIDE, PLANLESS, Case, Combination, batches, instants_of, missing, outside_plan
 from ...run.options import RunOptions, refuse_one_name
-from ...run.run import ReplayRun, first_shown_s, schedule_for, schedule_of, set_up_replay
+from ...run.run import first_shown_s, schedule_for, schedule_of
 from ...scenes import CONVERGED, Scene
 from ...sources.sequences import open as open_sequence
 from ..sweep.options import RecordedOptions
 from .options import FILLS, BenchOptions
 
-# A complete fill costs about as much as `iterative`. So it brings no warp to the front that is less
-# accurate than that without holes (rotation, planar), and nearly the same pictures come out after
-# warps that leave the same holes. Where everything is compared complete fills run with these: of
-# the warps that read colour and depth those on the Pareto front of one of the recordings at 200 ms
+# Where everything is compared complete fills, which cost about as much as `iterative`, run with
+# these: of the warps that read colour and depth those on a Pareto front at 200 ms
 # (docs/results-warps.md), the thesis's, and the baselines that leave holes.
 WITH_COMPLETE_FILLS = ("forward", "iterative", "multi", "mesh:grid=64", "mesh:grid=512,ring=0.002")
 _INCOMPLETE = FILLS[:2]
@@ -173,7 +171,7 @@ def plan_of(
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:
     """Return the options of a run of one case, whose head does not depend on the latency."""
-    same = ("effects", "fovea_deg", "rim", "start_s", "rendered_size", "predict", "horizon_ms")
+    same = ("effects", "fovea_deg", "rim", "start_s", "predict", "horizon_ms")
     known: dict[str, Any] = options.of_run(*same, "out", "command") | {
         "trace": case.recording,
         "scene": case.scene,
@@ -183,7 +181,7 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
         "lens": "none",
         "size": case.size,
         "network": LinkOptions(server_rate_hz=case.server_rate_hz),
-        "guard": 1.0 if options.rendered_size else options.guard,
+        "guard": options.guard,
         "against": "",
     }
     if options.frames is not None:
@@ -238,13 +236,9 @@ class BenchCase:
         of = {"strategy": one.strategy} if one.strategy else {"warp": one.warp, "fill": one.fill}
         return own_run(self.options, self.case, **of)
 
-    def set_up(self, batch: Sequence[Combination]) -> ReplayRun:
-        """Return the set-up of that run, with frames for all of the batch."""
-        return set_up_replay(self.run_of(batch), needs_of(c.plan for c in batch))
-
     def batched(self, most_bytes: float) -> list[list[Combination]]:
         """Return the combinations that fit in so many bytes together."""
-        rendered = guarded_size(guard_band(self.options), self.headset, self.case.size)
+        rendered = guarded_size(guard_band(self.options.guard), self.headset, self.case.size)
         return batches(self.combinations, rendered, self.case.size, most_bytes)
 
 
@@ -252,7 +246,7 @@ def options_of_case(options: BenchOptions, case: Case, start_s: float) -> BenchO
     """Return the options that have this case alone; start_s: of all latencies of its recording."""
     return attrs.evolve(
         options,
-        also=None,
+        also=(),
         scenes=(case.scene,),
         recordings=(case.recording,),
         latencies_ms=(case.latency_ms,),
@@ -267,7 +261,7 @@ def prepared(options: BenchOptions) -> BenchCase:
     (case,) = cases_of(options)
     source = source_of(options, case.scene)
     headset = source.headset
-    guarded_size(guard_band(options), headset, case.size)
+    guarded_size(guard_band(options.guard), headset, case.size)
     run = run_options(options, case)
     (head,) = heads_of(options, source).values()
     count = schedule_for(run, source, head, options.rate_hz or headset.refresh_hz).count
@@ -280,7 +274,7 @@ def prepared(options: BenchOptions) -> BenchCase:
 def source_of(options: BenchOptions, scene: str) -> Source:
     """Return the recorded frames of the options, or one of their scenes."""
     if options.frames is not None:
-        return RecordingSource(open_sequence(options.frames, options.sequence_options), guard_band(options))
+        return RecordingSource(open_sequence(options.frames, options.sequence_options), guard_band(options.guard))
     return Source(PipelineOptions(scene=scene, scene_options=options.scene_options, headset=options.headset))
 
 

@@ -30,7 +30,7 @@ from ...report.compare_page import COLUMNS, OF_COMPARE, OF_NOTEBOOK, compare_pag
 from ...run import RunOptions
 from ...run.replay_run import Measured, NothingShown, measured
 from ...run.run import first_shown_s, schedule_for
-from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Measuring, Result, SweepCase, experiment
+from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Result, SweepCase, experiment, with_threads
 from .bench_run import flat
 from .cases import heads_of
 from .options import CompareOptions
@@ -88,7 +88,7 @@ def compare(
         version = suites()[options.suite].version
         say(f"suite {options.suite} {version}: {len(runs)} runs, {minutes:.1f} min of motion are drawn, sent and shown")
 
-    work = Measuring(_run_part, options.sweep.measuring(options.workers))
+    work = functools.partial(with_threads, _run_part, options.sweep.measuring(options.workers))
     with experiment(options, FILES, work, cases, progress, say) as (out, swept, described):
         rows = swept.rows(lambda row: (row,))
         failed = [{"strategy": failure.name, "why": f"failed: {failure.why}"} for failure in swept.failed]

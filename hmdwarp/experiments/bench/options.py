@@ -18,8 +18,6 @@ from ...options import (
     Guard,
     Number,
     PaperOptions,
-    as_path,
-    check_one_guard,
     force_field,
     group,
     guard_field,
@@ -69,16 +67,18 @@ class BenchOptions(RecordedOptions):
     """
 
     # What a recording has itself, or cannot have.
-    with_frames = ("recordings", "scenes", "rendered_size", "predict", "rate_hz", "strategies")
+    with_frames = ("recordings", "scenes", "predict", "rate_hz", "strategies")
     why_not = "a bench takes what was recorded"
 
     # Sets what is run; "" for none.
     suite: str = _suite("benchmark: {}. It has a version, says what is run, and takes means over all heads and scenes.")
-    also: Path | None = option(
-        None,
-        "Folder of what a suite takes besides what ships: scenes by others, which it names, and recorded sequences.",
-        metavar="DIR",
-        convert=attrs.converters.optional(as_path),
+    also: tuple[Path, ...] = option(
+        (),
+        "Scene file, or folder of recorded frames, that a suite takes besides its own. For several, repeat it.",
+        kind=list,
+        default=None,
+        metavar="PATH",
+        parse=lambda texts: tuple(path_of(text, "--also") for text in texts),
     )
     scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
     latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))
@@ -109,7 +109,6 @@ class BenchOptions(RecordedOptions):
     # Empty for the display's.
     server_rates_hz: tuple[float, ...] = several(_LINK.server_rate_hz, ())
     guard: Guard = guard_field(DEFAULT_GUARD)
-    rendered_size: Size | None = same_as(_RUN.rendered_size)
     # Of all combinations, `none` among them, as of a replay and what it is compared with.
     predict: str = same_as(
         _RUN.predict,
@@ -132,7 +131,6 @@ class BenchOptions(RecordedOptions):
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that were set. Errors: InputError."""
         said = with_suite(said)
-        check_one_guard(said)
         values = super().values_of(said)
         return values if said.get("frames") is None else {"guard": 1.0, **values, "predict": "none"}
 

@@ -25,11 +25,11 @@ _LEAST_CLUSTERS = 3
 _DRAWS = 500
 
 
-def suite_entry(name: str, rows: Iterable[Row], sequences: Sequence[Row] = ()) -> dict[str, Any]:
-    """Return `suite` of bench.json, if any; sequences: that it took: see about_sequence."""
+def suite_entry(name: str, rows: Iterable[Row], also: Sequence[Row] = ()) -> dict[str, Any]:
+    """Return `suite` of bench.json, if any; also: what it took besides: see further."""
     if not name:
         return {}
-    about = {"name": name, "version": suites()[name].version, "sequences": list(sequences)}
+    about = {"name": name, "version": suites()[name].version, "also": list(also)}
     return {"suite": {**about, "over_all": over_all(rows)}}
 
 
@@ -53,7 +53,7 @@ def compared_entry(name: str, rows: Iterable[Row]) -> dict[str, Any]:
 def over_all(rows: Iterable[Row]) -> list[dict[str, Any]]:
     """Return the means of each method at each latency, over all heads and scenes, the best first.
 
-    By measure {mean, interval, p95 of all pictures, p95_interval}; `behind`: how much more FLIP it
+    By measure {mean, interval, p95 of all pictures}; `behind`: how much more FLIP it
     has than the best of its latency in the same cases; `halves`: see half_of; `where_seen_db`: PSNR
     where the late frame saw what the eye should see; `rank` {best, interval}: the share of draws in
     which it is the best by FLIP, and its rank in 95 % of them. The oracle is not ranked.
@@ -80,7 +80,7 @@ def _of_latency(latency_ms: float, methods: Mapping[Method, list[Row]]) -> list[
 def _entry(group: Sequence[Row], best_of: Mapping[tuple[str, str], float]) -> dict[str, Any]:
     clusters = _Clusters.of(map(_case, group))
     entry: dict[str, Any] = {"heads": len(set(clusters.heads)), "scenes": len(set(clusters.scenes))}
-    entry |= {name: clusters.mean(_values(group, name)) | clusters.tail(group, name) for name in MEASURES}
+    entry |= {name: clusters.mean(_values(group, name)) | {"p95": _tail(group, name)} for name in MEASURES}
     halves = {half: [row for row in group if half_of(*_case(row)) == half] for half in (FIT, HELD_OUT)}
     entry["halves"] = {
         half: {"cases": len(rows), **{name: _mean(_values(rows, name)) if rows else None for name in MEASURES}}
@@ -101,6 +101,14 @@ def _case(row: Row) -> tuple[str, str]:
 
 def _values(group: Iterable[Row], measure: str) -> list[float]:
     return [row["quality"][measure]["mean"] for row in group]
+
+
+def _tail(group: Iterable[Row], measure: str) -> float:
+    """Return what 95 % of all pictures are at least as good as."""
+    values, sign = np.concatenate([[*row["at_instants"][measure].values()] for row in group]), 1
+    if metrics.get(measure).higher_is_better:
+        sign = -1
+    return sign * float(np.quantile(sign * values, LEVEL, method="inverted_cdf"))
 
 
 def _by_case(group: Iterable[Row]) -> dict[tuple[str, str], float]:
@@ -147,22 +155,6 @@ class _Clusters:
         interval = clustered_interval(values, self.heads, self.scenes)
         return {"mean": _mean(values), "interval": interval and list(interval)}
 
-    def tail(self, group: Sequence[Row], measure: str) -> dict[str, Any]:
-        """Return p95 of the pictures of all cases, and its interval over the draws."""
-        at = [list(row["at_instants"][measure].values()) for row in group]
-        values, case = np.concatenate(at), np.repeat(np.arange(len(at)), [len(each) for each in at])
-        order = np.argsort(values if not metrics.get(measure).higher_is_better else -values)
-        every = np.vstack([np.ones(len(at)), *([] if self.are_few else [self.draws])])
-        summed = np.cumsum(every[:, case[order]], axis=1)
-        places = (summed >= LEVEL * summed[:, -1:]).argmax(axis=1)
-        found = values[order][places]
-        return {"p95": float(found[0]), "p95_interval": None if self.are_few else _middle(found[1:])}
-
-
-def _middle(draws: NDArray[Any]) -> list[float]:
-    found: list[float] = np.quantile(draws, [(1 - LEVEL) / 2, (1 + LEVEL) / 2]).tolist()
-    return found
-
 
 def ranks_of(methods: Mapping[Method, Sequence[Row]]) -> dict[Method, dict[str, Any]]:
     """Return the `rank` of each method in the cases that all have; none for few heads or scenes."""
@@ -174,8 +166,9 @@ def ranks_of(methods: Mapping[Method, Sequence[Row]]) -> dict[Method, dict[str, 
         return {}
     values = np.array([[each[case] for case in cases] for each in found])
     ranks = rankdata(clusters.draws @ values.T, method="min", axis=1)
+    ends = ((1 - LEVEL) / 2, (1 + LEVEL) / 2)
     return {
-        method: {"best": float((of == 1).mean()), "interval": [round(end) for end in _middle(of)]}
+        method: {"best": float((of == 1).mean()), "interval": [round(end) for end in np.quantile(of, ends)]}
         for method, of in zip(methods, ranks.T, strict=True)
     }
 

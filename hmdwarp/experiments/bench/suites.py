@@ -24,8 +24,6 @@ class Suite:
     name: str
     version: int
     summary: str
-    # Names of the scenes by others that it takes where they are: see further.toml.
-    recipes: tuple[str, ...]
     # Values by option, as the command line has them: of a bench, and of a comparison, where `scene`
     # and `links` may have several.
     sets: Mapping[str, Any]
@@ -54,9 +52,9 @@ def suites() -> dict[str, Suite]:
     del entries["halves"]
     found = {}
     for name, entry in entries.items():
-        version, summary, recipes, own = (entry.pop(key) for key in ("version", "summary", "recipes", "compare"))
+        version, summary, own = (entry.pop(key) for key in ("version", "summary", "compare"))
         shared = {name: entry[name] for name in ("scene", "traces", "headset", "samples")} | {"size": entry["size"][0]}
-        found[name] = Suite(name, version, summary, tuple(recipes), entry, shared | own)
+        found[name] = Suite(name, version, summary, entry, shared | own)
     return found
 
 
@@ -67,7 +65,7 @@ def with_suite(said: Mapping[str, Any], *, compares: bool = False) -> Mapping[st
     Errors: InputError for an unknown suite, and for an option that the suite sets.
     """
     if not said.get("suite"):
-        if said.get("also") is not None:
+        if said.get("also"):
             raise InputError("--also without --suite: give scenes by --scene and recorded frames by --frames")
         return said
     if said["suite"] not in suites():

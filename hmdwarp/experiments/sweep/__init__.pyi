@@ -4,12 +4,12 @@ from .sweep_case import MOST_SHOWN as MOST_SHOWN
 from .sweep_case import ExperimentResult as ExperimentResult
 from .sweep_case import Failure as Failure
 from .sweep_case import KeptCases as KeptCases
-from .sweep_case import Measuring as Measuring
 from .sweep_case import Result as Result
-from .sweep_case import Separate as Separate
 from .sweep_case import SweepCase as SweepCase
 from .sweep_case import Swept as Swept
 from .sweep_case import experiment as experiment
 from .sweep_case import outcomes as outcomes
 from .sweep_case import raise_failed as raise_failed
 from .sweep_case import run_cases as run_cases
+from .sweep_case import sharing_nothing as sharing_nothing
+from .sweep_case import with_threads as with_threads

@@ -7,7 +7,6 @@ import concurrent.futures
 import itertools
 import logging
 import os
-import platform
 import re
 import socket
 import threading
@@ -20,7 +19,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext, supp
 from datetime import datetime
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import attrs
 
@@ -28,7 +27,7 @@ from ...errors import HmdwarpError, InputError, MachineError
 from ...gpu.context import contexts_kept
 from ...metrics import MeasuringThreads, worker_count
 from ...options.documents import json_in
-from ...options.identity import identity_of, whole_program_hash
+from ...options.identity import identity_of, program_hash
 from ...options.named_files import RESULTS
 from ...platforms import lock
 from ...report import SCHEMA, OutputFolder, write_bytes, write_json
@@ -48,8 +47,6 @@ class Result:
     data: Any
     # Further files by name, such as pictures.
     files: Mapping[str, bytes] = attrs.field(factory=dict)
-    # Of the machine and process that ran it, for a person.
-    where: str = ""
 
 
 @attrs.frozen
@@ -81,28 +78,32 @@ class KeptCases:
 
     folder: Path
 
+    def read(self, identity: str) -> dict[str, Any]:
+        """Return what is kept of a case, nothing of one that was not run to its end."""
+        with suppress(InputError):
+            data = json_in(self._path(identity), RESULTS)
+            if isinstance(data, dict) and data.get("identity") == identity:
+                return data
+        return {}
+
     def state(self, identity: str) -> str:
         """Return DONE, FAILED, or "" for what was not run to its end."""
-        return str((self._read(identity) or {}).get("state", ""))
+        return str(self.read(identity).get("state", ""))
 
     def result(self, identity: str) -> Any:
         """Return the data of a case that is done. Errors: HmdwarpError if it is not."""
-        data = self._read(identity)
-        if data is None or data.get("state") != DONE:
+        data = self.read(identity)
+        if data.get("state") != DONE:
             raise HmdwarpError(f"{self._path(identity)}: no result of a case: run it again with --resume")
         return data["result"]
-
-    def failure(self, identity: str) -> Failure:
-        data = self._read(identity) or {}
-        return Failure(**{each.name: data[each.name] for each in attrs.fields(Failure) if each.name in data})
 
     def keep(self, identity: str, name: str, result: Result) -> None:
         """Write a result. Errors: InputError or MachineError for a place that cannot be written."""
         self._path(identity).unlink(missing_ok=True)  # its files are of one run
+        self.folder.mkdir(parents=True, exist_ok=True)
         for file, content in result.files.items():
-            self.folder.mkdir(parents=True, exist_ok=True)
             write_bytes(self.file(identity, file), content)
-        self._write(identity, {"state": DONE, "name": name, "where": result.where, "result": result.data})
+        self._write(identity, {"state": DONE, "name": name, "result": result.data})
 
     def keep_failure(self, identity: str, failure: Failure) -> None:
         """Write why a case failed. Errors: as keep."""
@@ -123,13 +124,6 @@ class KeptCases:
     def _write(self, identity: str, data: Mapping[str, Any]) -> None:
         self.folder.mkdir(parents=True, exist_ok=True)
         write_json(self._path(identity), {"identity": identity, **data})
-
-    def _read(self, identity: str) -> dict[str, Any] | None:
-        with suppress(InputError):
-            data = json_in(self._path(identity), RESULTS)
-            if isinstance(data, dict) and data.get("identity") == identity:
-                return data
-        return None
 
 
 @contextmanager
@@ -181,67 +175,47 @@ class SweepCase:
     group: str = ""
     # Its share of the progress.
     steps: int = 1
-    # What the identity is of besides: the kind, and parts of the program.
+    # What the identity is of besides.
     kind: str = ""
-    also: Sequence[str] = ()
 
     @classmethod
-    def of(cls, kind: str, name: str, what: Any, also: Sequence[str] = (), **about: Any) -> SweepCase:
-        """Return a case with its identity.
-
-        also: parts of the program that it depends on, as program_hash. Errors: InputError for a
-        file that cannot be read.
-        """
+    def of(cls, kind: str, name: str, what: Any, **about: Any) -> SweepCase:
+        """Return a case with its identity. Errors: InputError for a file that cannot be read."""
         try:
-            return cls(name, what, identity_of(kind, what, also), kind=kind, also=also, **about)
+            return cls(name, what, identity_of(kind, what), kind=kind, **about)
         except OSError as error:
             raise InputError(f"{error.filename}: cannot read ({error.strerror}): {name} is made with it") from error
 
     @property
     def is_here(self) -> bool:
         """Whether the files of its options are the same on this machine."""
-        return self.identity == identity_of(self.kind, self.what, self.also)
+        return self.identity == identity_of(self.kind, self.what)
 
 
 # Runs a case and returns its result.
 Runner = Callable[[SweepCase, Step], Result]
 
 
-class Work(Protocol):
-    """How the cases of a command are run. It crosses to other machines by pickle."""
-
-    def opened(self) -> AbstractContextManager[Runner]:
-        """Open what cases share, such as measuring threads."""
+# Opens what cases share, for the runner of each. It crosses to other machines by pickle.
+Work = Callable[[], AbstractContextManager[Runner]]
 
 
-@attrs.frozen
-class Separate:
-    """A Work whose cases share nothing."""
-
-    run: Runner
-
-    def opened(self) -> AbstractContextManager[Runner]:
-        return nullcontext(self.run)
+def sharing_nothing(run: Runner) -> Work:
+    return partial(nullcontext, run)  # type: ignore[return-value]
 
 
-@attrs.frozen
-class Measuring:
-    """A Work whose cases measure pictures in the same threads."""
-
-    run: Callable[[MeasuringThreads, SweepCase, Step], Result]
-    workers: int | None  # as the option
-
-    @contextmanager
-    def opened(self) -> Iterator[Runner]:
-        with MeasuringThreads(worker_count(self.workers)) as threads:
-            yield partial(self.run, threads)
+@contextmanager
+def with_threads(run: Callable[[MeasuringThreads, SweepCase, Step], Result], workers: int | None) -> Iterator[Runner]:
+    """Open the threads in which cases measure pictures. workers: as the option."""
+    with MeasuringThreads(worker_count(workers)) as threads:
+        yield partial(run, threads)
 
 
 def _run_group(runner: Runner, cases: Sequence[SweepCase], step: Step) -> Iterator[tuple[SweepCase, Result | Failure]]:
     """Run cases of one group; yield each as it is done, those that failed with the reason."""
     for case in cases:
         try:
-            outcome: Result | Failure = attrs.evolve(runner(case, step), where=platform.node())
+            outcome: Result | Failure = runner(case, step)
         except Exception as error:
             outcome = Failure.of(case.name, error)
         yield case, outcome
@@ -275,7 +249,7 @@ def run_on_cluster(work: Work, cases: Sequence[SweepCase], cluster: str, say: Sa
         def send() -> Any:
             group = waiting.popleft()
             key = f"hmdwarp-{group[0].identity}-{token}"
-            future = client.submit(run_here, work, group, whole_program_hash(), Path.cwd(), key=key, pure=False)
+            future = client.submit(run_here, work, group, program_hash(()), Path.cwd(), key=key, pure=False)
             sent[future] = group
             return future
 
@@ -307,10 +281,10 @@ def run_here(work: Work, cases: Sequence[SweepCase], program: str, folder: Path)
     """
     from distributed import get_worker
 
-    if whole_program_hash() != program:
+    if program_hash(()) != program:
         why = "has another hmdwarp than this machine: install the same wheel on both"
         raise MachineError(f"worker {get_worker().name} {why}")
-    with _one_at_a_time, work.opened() as runner:  # a worker may have several threads
+    with _one_at_a_time, work() as runner:  # a worker may have several threads
         with suppress(OSError):  # then files are not found, or are others
             os.chdir(folder)
         if apart := [case.name for case in cases if not case.is_here]:
@@ -458,7 +432,9 @@ def run_cases(
             kept.keep(case.identity, case.name, outcome)
     if not options.resume:
         kept.clear({case.identity for case in cases})
-    failed = tuple(kept.failure(case.identity) for case in cases if kept.state(case.identity) == FAILED)
+    names = [field.name for field in attrs.fields(Failure)]
+    wrong = [data for case in cases if (data := kept.read(case.identity)).get("state") == FAILED]
+    failed = tuple(Failure(**{name: data[name] for name in names if name in data}) for data in wrong)
     return Swept(kept, tuple(cases), failed, known)
 
 
@@ -513,7 +489,7 @@ def outcomes(
             show(done + round(share * waiting[0] - 0.5 + 1e-6))
 
     def here() -> Iterator[Outcome]:
-        with contexts_kept(), work.opened() as runner:
+        with contexts_kept(), work() as runner:
             for group in _groups_of(cases):
                 yield from _run_group(runner, group, within)
 

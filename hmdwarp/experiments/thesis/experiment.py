@@ -87,26 +87,24 @@ class PictureRun:
     timed: bool = False
     flickers: bool = False
 
-    def __str__(self) -> str:
-        more = [word for word, is_so in (("timed", self.timed), ("flicker", self.flickers)) if is_so]
-        side = [] if self.scale == 1 else [f"sides times {self.scale:.3g}"]
-        return ", ".join([self.caption, self.scene, *side, *more])
-
     @property
     def shared(self) -> tuple[Any, ...]:
         """What runs have in common that are measured on the same frames."""
         return (self.scene, self.effects, self.mirrors, self.motion, self.latency_ms, self.guard, self.scale)
 
-    @property
-    def caption(self) -> str:
-        """What its picture shows."""
+    def __str__(self) -> str:
         fill = "" if self.fill == "none" else f" + {self.fill}"
-        more = [
-            *([f"rendered {_size_text(self.guard)} for {_size_text((1.0, 1.0))}"] if self.guard != (1.0, 1.0) else []),
-            *([f"effects {self.effects}"] if self.effects != "auto" else []),
-            *([f"mirrors {self.mirrors}"] if self.mirrors != "geometry" else []),
-        ]
-        return ", ".join([f"{self.motion}, {self.latency_ms:g} ms: {self.warp}{fill}", *more])
+        more = {
+            f"rendered {_size_text(self.guard)} for {_size_text((1.0, 1.0))}": self.guard != (1.0, 1.0),
+            f"effects {self.effects}": self.effects != "auto",
+            f"mirrors {self.mirrors}": self.mirrors != "geometry",
+            self.scene: True,
+            f"sides times {self.scale:.3g}": self.scale != 1,
+            "timed": self.timed,
+            "flicker": self.flickers,
+        }
+        front = f"{self.motion}, {self.latency_ms:g} ms: {self.warp}{fill}"
+        return ", ".join([front, *(words for words, is_so in more.items() if is_so)])
 
 
 @attrs.frozen(kw_only=True)
@@ -131,12 +129,6 @@ class StreamRun:
         rate = "" if self.server_hz is None else f", drawn at {self.server_hz:g} Hz"
         front = f"{'x'.join(map(str, self.size))}, {self.codec},{link} {self.latency_ms:g} ms, {self.warp}"
         return f"{front}{code}, {self.scene}{rate}"
-
-    @property
-    def caption(self) -> str:
-        """What its time line shows."""
-        size = "x".join(map(str, self.size))
-        return f"way of the last frames: {size}, {self.codec}, {self.bandwidth_mbit:g} Mbit/s, {self.latency_ms:g} ms"
 
 
 @attrs.frozen(kw_only=True)
@@ -350,10 +342,6 @@ class Experiment:
         found = [run for cell in self.cells for run in cell.runs]
         return tuple(dict.fromkeys([*found, *self.pictures]))
 
-    def rule_words(self) -> str:
-        """Return the rule in words."""
-        return f"{self.measured}: {self.rule.words(self.unit, self.scale)}"
-
 
 @functools.cache
 def experiments() -> tuple[Experiment, ...]:
@@ -423,7 +411,7 @@ _QUICK_SIZE = (160, 100)
 class ThesisOptions(ExperimentOptions):
     """Which experiments of the thesis to run again, and how large. Errors: InputError."""
 
-    out: Path = out_field(attrs.NOTHING, "Folder for thesis.html, results.json, results.csv and the folder cases.")
+    out: Path = out_field(attrs.NOTHING, "Folder for thesis.html, results.json and the folder cases.")
     only: tuple[str, ...] = option(
         (),
         "Only these experiments, by their names on the page; for several, repeat it or use commas.",

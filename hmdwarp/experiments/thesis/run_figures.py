@@ -36,43 +36,27 @@ from .experiment import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, PictureRun, Str
 Map = NDArray[Any]
 
 
-@attrs.frozen(eq=False)
-class Holes:
-    """Masks (h, w), top row first; together they are all holes."""
-
-    # Beyond the rendered field of view.
-    border: NDArray[np.bool_]
-    # In front of these surfaces the late frame had another.
-    disoccluded: NDArray[np.bool_]
-    # The late frame had these surfaces, and no pixel landed here.
-    cracks: NDArray[np.bool_]
-
-
 def holes_of(
     coverage: Map, truth_inverse_depth: Map, shown: View, rendered: View, rendered_inverse_depth: Map
-) -> Holes:
-    """Tell the kinds of holes apart: where was the true surface of each hole in the late frame?
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which holes lie beyond the rendered field of view, and which are cracks.
 
-    All (h, w), top row first; coverage and truth_inverse_depth of the shown view.
+    All (h, w), top row first; coverage and truth_inverse_depth of the shown view. Of cracks the
+    late frame had the surface; in front of that of the other holes it had another.
     """
     hole = flip_rows(np.asarray(coverage) == 0)
-    there = np.argwhere(hole)
-    inverse = np.nan_to_num(flip_rows(np.asarray(truth_inverse_depth, dtype=np.float64)), nan=0.0)[tuple(there.T)]
+    inverse = np.nan_to_num(flip_rows(np.asarray(truth_inverse_depth, dtype=np.float64))[hole], nan=0.0)
     frame = flip_rows(np.asarray(rendered_inverse_depth, dtype=np.float64))
     height, width = frame.shape
     mapping = WarpMap.between(shown, (hole.shape[1], hole.shape[0]), rendered, (width, height))
-    at, expected, w = mapping.apply(there[:, ::-1] + 0.5, inverse)
+    at, expected, w = mapping.apply(np.stack(hole.nonzero()[::-1], axis=1) + 0.5, inverse)
     with np.errstate(invalid="ignore"):
         inside = (w > 0) & ((at >= 0) & (at < (width, height))).all(axis=1)
     column, row = np.where(inside[:, None], at, 0).astype(np.intp).T
-    seen = frame[row, column]
-    same = inside & (np.abs(seen - expected) <= RELATIVE_STEP * expected + LEAST_STEP)
-    masks = []
-    for chosen in (~inside, inside & ~same, same):
-        mask = np.zeros(hole.shape, bool)
-        mask[tuple(there[chosen].T)] = True
-        masks.append(flip_rows(mask))
-    return Holes(*masks)
+    border, cracks = np.zeros((2, *hole.shape), bool)
+    border[hole] = ~inside
+    cracks[hole] = inside & (np.abs(frame[row, column] - expected) <= RELATIVE_STEP * expected + LEAST_STEP)
+    return flip_rows(border), flip_rows(cracks)
 
 
 def seam(shown: Map, truth: Map, filled: NDArray[np.bool_], warped: NDArray[np.bool_]) -> float | None:
@@ -239,17 +223,17 @@ class _Watcher:
             return
         covered = coverage(result)
         empty = (download(result.filled[-1][1].texture)[..., 3] if result.filled else covered) == 0
-        kinds = holes_of(covered, truth.inverse_depth, result.view, refresh.frame.eyes[eye].view, late[1])
+        border, cracks = holes_of(covered, truth.inverse_depth, result.view, refresh.frame.eyes[eye].view, late[1])
         there = covered != 0
         found: Figures = {
             "psnr_db": psnr(now.shown, now.truth),
             "hole_share": hole_share(covered),
-            "border_share": float(kinds.border.mean()),
-            "inner_share": float((kinds.disoccluded | kinds.cracks).mean()),
-            "crack_share": float(kinds.cracks.mean()),
+            "border_share": float(border.mean()),
+            "inner_share": float((~there & ~border).mean()),
+            "crack_share": float(cracks.mean()),
             "empty_share": float(empty.mean()),
-            "cracks_left_share": float((kinds.cracks & empty).mean()),
-            "inner_left_share": float((~kinds.border & empty).mean()),
+            "cracks_left_share": float((cracks & empty).mean()),
+            "inner_left_share": float((~border & empty).mean()),
             "false_edges": false_edges(now.shown, now.truth),
             "seam": seam(now.shown, now.truth, ~there & ~empty, there),
             "flicker": None,

@@ -7,6 +7,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,13 +20,9 @@ from ..sweep import ExperimentResult, Result, SweepCase, Swept, experiment
 from . import experiment as thesis
 from .run_figures import FACTS, SPECK_PX, Looked, Thoroughness, beyond, look, stream
 
-COLUMNS = ("experiment", "source", "row", "column", "measured", "value", "unit", "holds", "rule", "verdict")
-PAGE, TABLE, DATA = FILES = ("thesis.html", "results.csv", "results.json")
+PAGE, DATA = FILES = ("thesis.html", "results.json")
 _PAGE_WIDTH = 560
 PICTURE, TRUTH, TIMELINE = "shown.jpg", "truth.jpg", "timeline.svg"
-# What the figures depend on besides what draws and measures pictures; the rules that judge them do
-# not count.
-_ALSO = ("experiments/thesis/run_figures.py",)
 # What the published ratings of a part and latency say: the study package's, handed in.
 Ratings = Callable[[str, float], thesis.Figures]
 Progress = Callable[[int, int], None]
@@ -38,7 +35,7 @@ def run_thesis(
     progress: Progress = lambda done, total: None,
     say: Say = lambda text: None,
 ) -> ExperimentResult:
-    """Run the experiments and write the page, results.json and results.csv into options.out.
+    """Run the experiments and write the page and results.json into options.out.
 
     Each run is a case. ratings: what the published ratings say; a function of a module, as it
     crosses to other machines by pickle. progress(done, total): in runs. say: gets a sentence.
@@ -54,7 +51,8 @@ def run_thesis(
     pictured: set[thesis.Run] = {run for each in thesis.experiments() for run in each.pictures}
     cases = cases_of(runs, pictured, how)
 
-    with experiment(options, FILES, ThesisWork(runs, ratings), cases, progress, say) as (out, swept, described):
+    work = partial(thesis_work, runs, ratings)
+    with experiment(options, FILES, work, cases, progress, say) as (out, swept, described):
         made_on = swept.rows(lambda data: (data,))[0]
         figures = figures_by_run(swept.results())
         judged = [judge(each, figures) for each in chosen]
@@ -70,7 +68,6 @@ def run_thesis(
             }
         )
         out.write_text(PAGE, render_thesis_page(data, _pictures(chosen, swept)))
-        out.write_csv(TABLE, csv_rows(judged), COLUMNS)
         out.write_json(DATA, data)
     return ExperimentResult(options.out, data, options.out / PAGE, swept)
 
@@ -89,10 +86,10 @@ def cases_of(runs: Sequence[thesis.Run], pictured: set[thesis.Run], how: Thoroug
     """Return a case for each run; pictured: whose pictures are kept."""
     cases = []
     for run in runs:
-        also, group = ("study/",) if isinstance(run, thesis.RatingsRun) else _ALSO, ""
+        group = ""
         if isinstance(run, thesis.PictureRun):  # what is timed is compared with each other
             group = "timed" if run.timed else repr(run.shared)
-        cases.append(SweepCase.of("thesis", str(run), _ThesisPart(run, how, run in pictured), also, group=group))
+        cases.append(SweepCase.of("thesis", str(run), _ThesisPart(run, how, run in pictured), group=group))
     places: dict[Any, int] = {}
     for case in cases:
         for key in (case.group, _frames(case.what.run)):
@@ -104,57 +101,53 @@ def _frames(run: thesis.Run) -> Any:
     return (run.timed, run.shared) if isinstance(run, thesis.PictureRun) else run
 
 
-@attrs.frozen
-class ThesisWork:
-    """Runs the cases of the thesis."""
+@contextmanager
+def thesis_work(
+    runs: Sequence[thesis.Run], ratings: Ratings
+) -> Iterator[Callable[[SweepCase, Callable[[float], None]], Result]]:
+    """Open a folder for the traces of heads, for what runs a case.
 
-    # All that are chosen: those on the same frames are looked at together.
-    runs: tuple[thesis.Run, ...]
-    ratings: Ratings
+    runs: all that are chosen; those on the same frames are looked at together.
+    """
+    looked: dict[thesis.Run, Looked] = {}  # what waits for its turn
 
-    @contextmanager
-    def opened(self) -> Iterator[Callable[[SweepCase, Callable[[float], None]], Result]]:
-        """Open a folder for the traces of heads."""
-        # What was looked at together waits for its turn.
-        looked: dict[thesis.Run, Looked] = {}
+    def look_at(run: thesis.PictureRun, how: Thoroughness, folder: Path) -> Looked:
+        if run not in looked:
+            of_pictures = (each for each in runs if isinstance(each, thesis.PictureRun))
+            together = [each for each in of_pictures if _frames(each) == _frames(run)]
+            try:
+                found = [*look(together, how, folder)]
+            except Exception:
+                if len(together) == 1:
+                    raise
+                found = [*look([run], how, folder)]  # one of them is at fault: the others go on
+            looked.clear()
+            looked.update({each.run: each for each in found})
+        return looked[run]
 
-        def look_at(run: thesis.PictureRun, how: Thoroughness) -> Looked:
-            if run not in looked:
-                of_pictures = (each for each in self.runs if isinstance(each, thesis.PictureRun))
-                together = [each for each in of_pictures if _frames(each) == _frames(run)]
-                try:
-                    found = [*look(together, how, folder)]
-                except Exception:
-                    if len(together) == 1:
-                        raise
-                    found = [*look([run], how, folder)]  # one of them is at fault: the others go on
-                looked.clear()
-                looked.update({each.run: each for each in found})
-            return looked[run]
+    def runner(case: SweepCase, step: Callable[[float], None]) -> Result:
+        part: _ThesisPart = case.what
+        run, files = part.run, dict[str, bytes]()
+        about = {key: examined()[0][key] for key in ("machine", "clock")}
+        if isinstance(run, thesis.PictureRun):
+            found = look_at(run, part.how, folder)
+            figures = found.figures
+            if run.timed and about["clock"] == "gpu":
+                (least,) = look([attrs.evolve(run, scale=SPECK_PX / part.how.size[0])], part.how, folder)
+                figures = beyond(figures, least.figures)
+            files = {PICTURE: jpeg_bytes(found.picture), TRUTH: jpeg_bytes(found.truth)}
+        elif isinstance(run, thesis.StreamRun):
+            figures, drawn = stream(run, part.how.stream_scale, part.how.stream_s)
+            files = {TIMELINE: drawn.encode()}
+        elif isinstance(run, thesis.RatingsRun):
+            figures = ratings(run.part, run.latency_ms)
+        else:
+            figures = {"value": FACTS[run.fact]()}
+        return Result({**about, "figures": figures}, files if part.is_pictured else {})
 
-        def runner(case: SweepCase, step: Callable[[float], None]) -> Result:
-            part: _ThesisPart = case.what
-            run, files = part.run, dict[str, bytes]()
-            about = {key: examined()[0][key] for key in ("machine", "clock")}
-            if isinstance(run, thesis.PictureRun):
-                found = look_at(run, part.how)
-                figures = found.figures
-                if run.timed and about["clock"] == "gpu":
-                    (least,) = look([attrs.evolve(run, scale=SPECK_PX / part.how.size[0])], part.how, folder)
-                    figures = beyond(figures, least.figures)
-                files = {PICTURE: jpeg_bytes(found.picture), TRUTH: jpeg_bytes(found.truth)}
-            elif isinstance(run, thesis.StreamRun):
-                figures, drawn = stream(run, part.how.stream_scale, part.how.stream_s)
-                files = {TIMELINE: drawn.encode()}
-            elif isinstance(run, thesis.RatingsRun):
-                figures = self.ratings(run.part, run.latency_ms)
-            else:
-                figures = {"value": FACTS[run.fact]()}
-            return Result({**about, "figures": figures}, files if part.is_pictured else {})
-
-        with tempfile.TemporaryDirectory(prefix="hmdwarp-thesis-") as name:
-            folder = Path(name)
-            yield runner
+    with tempfile.TemporaryDirectory(prefix="hmdwarp-thesis-") as name:
+        folder = Path(name)
+        yield runner
 
 
 def figures_by_run(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> dict[thesis.Run, thesis.Figures]:
@@ -183,7 +176,7 @@ def judge(experiment: thesis.Experiment, figures: Mapping[thesis.Run, thesis.Fig
     ends = dict.fromkeys(plain(value, experiment.digits) for value in (*values[:1], *values[-1:]))
     return {
         **{name: getattr(experiment, name) for name in same},
-        "rule": experiment.rule_words(),
+        "rule": f"{experiment.measured}: {experiment.rule.words(experiment.unit, experiment.scale)}",
         "ours": f"{' to '.join(ends)} {experiment.unit}".strip() if values else "",
         "verdict": thesis.verdict_of(findings).value,
         "holds_at": thesis.share_text(findings, True),
@@ -192,17 +185,6 @@ def judge(experiment: thesis.Experiment, figures: Mapping[thesis.Run, thesis.Fig
         "note": experiment.note,
         "cells": [attrs.asdict(finding) for finding in findings],
     }
-
-
-def csv_rows(judged: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Yield the rows of results.csv, one for each cell of what `judge` returned."""
-    for each in judged:
-        for cell in each["cells"]:
-            value = None if cell["value"] is None else cell["value"] * each["scale"]
-            holds = {None: None, True: "yes", False: "no"}[cell["holds"]]
-            named = {name: each[name] for name in ("source", "measured", "unit", "rule", "verdict")}
-            place = {"experiment": each["name"], "row": cell["row"], "column": cell["column"]}
-            yield {**named, **place, "value": value, "holds": holds}
 
 
 def _pictures(chosen: Sequence[thesis.Experiment], swept: Swept) -> dict[str, list[tuple[str, str]]]:
@@ -225,10 +207,10 @@ def _pictures(chosen: Sequence[thesis.Experiment], swept: Swept) -> dict[str, li
         pictures = [run for run in known if isinstance(run, thesis.PictureRun)]
         truths = {(run.scene, run.motion): run for run in pictures}.values()
         found[each.name] = [
-            *((run.caption, uri(run, PICTURE)) for run in pictures),
+            *((str(run), uri(run, PICTURE)) for run in pictures),
             *((f"what should be seen: {run.motion}", uri(run, TRUTH)) for run in truths),
             *(
-                (run.caption, file(run, TIMELINE).read_text("utf-8"))
+                (f"way of the last frames: {run}", file(run, TIMELINE).read_text("utf-8"))
                 for run in known
                 if isinstance(run, thesis.StreamRun)
             ),

@@ -1,1 +1,1 @@
-"""Metrics of one eye's picture: one file each, registered by name."""
+"""Metrics of one eye's picture, registered by name."""

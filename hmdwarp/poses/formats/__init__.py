@@ -9,16 +9,16 @@ from typing import IO, Any
 
 import attrs
 
-from ...errors import TraceError, unknown_name
+from ...errors import InputError, TraceError, unknown_name
 from ...registry import Registry
 from ...resources import folder, recording_names
 from ..assumptions import DIRECTION, Assumption, By, Defect, Fact, Layout
 from ..options import TraceOptions
-from ..reading import layouts
+from ..reading import columns
 from ..reading.axes import OPENXR, parse_axes
-from ..reading.cleaning import LoadedTrace, clean
-from ..reading.header import is_number
-from ..reading.text_table import UNIT_NAMES, Head, RowReader, read_head
+from ..reading.cleaning import UNIT_NAMES, LoadedTrace, clean
+from ..reading.columns import Head, is_number
+from ..reading.text_table import RowReader, read_head
 from ..track import PoseTrack
 from ..writing import WRITERS
 
@@ -41,36 +41,32 @@ class TraceFormat:
     order_by = By.FILE
     bare_order = ""  # of quaternions in files without a header: xyzw or wxyz; "" where there are none
     bare: Mapping[str, Any] = {}  # separator and widths of files of numbers alone that are likely of it
-    recognised = ""  # by one of `reading.layouts.SNIFFS`
-    read_as = ""  # one of `reading.layouts.LAYOUTS`
+    recognised = ""  # by one of `reading.columns.SNIFFS`
+    read_as = ""  # one of `reading.columns.LAYOUTS`
     written_as = ""  # one of `writing.WRITERS`
     written: Mapping[str, Any] = {}  # what that has to know
     writes = False  # whether `write` works
-    binary = False  # whether `write` takes a stream of bytes
-    axes_written = OPENXR  # of the files that `write` makes
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
         """Return how likely the file is of this format, 0 to 100 (certainly); the highest wins."""
         if self.recognised:
-            return layouts.SNIFFS[self.recognised](head)
+            return columns.SNIFFS[self.recognised](head)
         if self.kind:
             return 100 if head.kind == self.kind else 0
-        names = head.names
-        if self.bare and names is None:
+        if self.bare and not head.names:
             same = (head.separator or "") == self.bare["separator"] and head.width in self.bare["widths"]
             return 5 if same and all(is_number(field) for field in head.rows[0]) else 0
-        found = {name.split(" ")[0] if self.first_words else name for name in names or ()}
+        found = {name.split(" ")[0] if self.first_words else name for name in head.names}
         return self.likelihood if self.header and set(self.header) <= found else 0
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         """Return the meaning of the columns. Errors: TraceError when a required one is missing."""
-        facts = {**self.facts, **({} if head.made is None else head.made.facts)}
         if self.read_as:
-            return layouts.LAYOUTS[self.read_as](head, options, facts if head.kind == self.kind else {**self.facts})
-        if head.names is None and self.bare_order:
+            return columns.LAYOUTS[self.read_as](head, options, self.facts)
+        if not head.names and self.bare_order:
             unit = self.facts.get("unit") if options.format else None
-            return layouts.unnamed_layout(head, options, self.name, self.bare_order, unit)
-        return layouts.named_layout(head, options, **facts)
+            return columns.unnamed_layout(head, options, self.name, self.bare_order, unit)
+        return columns.named_layout(head, options, **{**self.facts, **({} if head.made is None else head.made.facts)})
 
     def assumes(self) -> tuple[Assumption, ...]:
         """Return what is taken where neither a file nor the user says it, and who says so."""
@@ -94,13 +90,15 @@ class TraceFormat:
         if self.kind and head.kind != self.kind:
             what = self.file or f"file of format {self.name}"
             raise TraceError(f"{head.path} is no {what} ({head.describe()}): leave --format out, or name its own")
-        layout = layouts.with_clock(head, self.layout(head, options), options)
-        if (axes := layouts.axes_stated(head)) is not None:
-            layout = attrs.evolve(layout, axes=axes, axes_by=By.FILE)
-        loaded = clean(RowReader(head, layout, options).read(), self.name)
-        if self.read_as == "frames" and options.quat_order is None and options.format != self.name:
-            layouts.refuse_hanging(head, loaded.track)
-        return loaded
+        layout = columns.with_clock(head, self.layout(head, options), options)
+        stated = (text.partition(":") for _, text in head.comments)  # such as "# axes: tum-rgbd"
+        for value in (value for key, _, value in stated if key.strip().lower() == "axes"):
+            with suppress(InputError):  # comments in words count where they name OpenXR
+                axes = OPENXR if OPENXR in value.lower() else value
+                parse_axes(axes)
+                layout = attrs.evolve(layout, axes=axes, axes_by=By.FILE)
+                break
+        return clean(RowReader(head, layout, options).read(), self.name)
 
     def write(self, track: PoseTrack, stream: IO[Any]) -> None:
         """Write a track so that reading it gives the same poses bit for bit."""
@@ -178,7 +176,7 @@ def find_format(head: Head, options: TraceOptions) -> TraceFormat:
     best = max(scores, key=scores.__getitem__)
     if scores[best] > 0:
         return formats.get(best)
-    if head.names is None and head.width >= 5:
+    if not head.names and head.width >= 5:
         turn, of = ("q=5+6+7+8", "q: x y z w") if head.width > 7 else ("e=5+6+7", "e: angles, with --euler")
         what = f"nothing in the file says what its columns are ({head.describe()})"
         raise TraceError(f"{head.path}: {what}: say --columns t=1,p=2+3+4,{turn} with their numbers ({of})")

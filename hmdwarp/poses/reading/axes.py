@@ -10,15 +10,15 @@ import itertools
 import math
 import operator
 import re
-import tomllib
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, TraceError, unknown_name
+from ...errors import InputError, TraceError
+from ...registry import Registry
 from .. import quaternions
 from ..assumptions import AXES_BY, DIRECTION, Assumption, By, Fact
 from ..options import DIRECT, INVERSE
@@ -28,7 +28,6 @@ from .text_table import Recording
 Array = NDArray[np.float64]
 
 OPENXR = "openxr"
-_PRESETS = Path(__file__).parents[1] / "presets"
 _AXES = {"x": (1.0, 0, 0), "y": (0, 1.0, 0), "z": (0, 0, 1.0)}
 # right, up, forward of the turn by a quarter (or half) that lifts the named axis to +y and moves
 # everything else as little as possible.
@@ -89,10 +88,6 @@ class Axes:
                 position[:] = quaternions.rotate(self.tilt, position)
 
 
-def preset_names() -> list[str]:
-    return sorted(p.stem for p in _PRESETS.glob("*.toml"))
-
-
 @attrs.frozen
 class Preset:
     """Axes that many files share, by name."""
@@ -103,13 +98,13 @@ class Preset:
     source: str
 
 
-def load_preset(name: str) -> Preset:
-    """Load axes by name. Errors: UnknownNameError with the nearest known name."""
-    if name not in preset_names():
-        raise unknown_name("axes preset", name, preset_names())
-    told = tomllib.loads((_PRESETS / f"{name}.toml").read_text(encoding="utf-8"))
-    axes = Axes(_basis(told["world"]), _basis(told["head"]), name=name, metres_per_unit=told.get("metres_per_unit"))
-    return Preset(name, told["summary"], axes, told["source"])
+def _preset_of(name: str, table: dict[str, Any]) -> Preset:
+    world, head = _basis(table["world"]), _basis(table["head"])
+    axes = Axes(world, head, name=name, metres_per_unit=table.get("metres_per_unit"))
+    return Preset(name, table["summary"], axes, table["source"])
+
+
+presets: Registry[Preset] = Registry("axes preset", __package__.replace(".reading", ".presets"), of_table=_preset_of)
 
 
 def parse_axes(text: str) -> Axes:
@@ -128,28 +123,30 @@ def parse_axes(text: str) -> Axes:
         return Axes(_basis(text), _basis(text))
     if not re.fullmatch(r"[a-z][a-z0-9 _-]*", text):
         raise InputError(f"--axes '{text}': expected {_SYNTAX}")
-    return load_preset(re.sub(r"[ _]", "-", text)).axes
+    return presets.get(re.sub(r"[ _]", "-", text)).axes
 
 
 def parse_up(text: str) -> Axes:
-    """Parse `--up`: an axis (y, z, -z, ..), three axes "right,up,forward", or three numbers.
+    """Parse `--up`: an axis (y, z, -z, ..), or three numbers. Errors: InputError.
 
     An axis: world and head are both turned so that it becomes +y. Three numbers: what is really up
-    in a y-up file of tilted gravity; only the world is turned, by the smallest angle. Errors:
-    InputError.
+    in a y-up file of tilted gravity; only the world is turned, by the smallest angle.
     """
     text = text.strip().lower().removeprefix("+")
     if text in _LIFTS:
         return parse_axes(_LIFTS[text])
-    fields = [f.strip() for f in text.split(",")]
-    if len(fields) != 3:
-        wanted = "an axis (y, z, -z, x ...), three as right,up,forward (x,z,y), or three numbers (0.04,0.95,0.3)"
-        raise InputError(f"--up '{text}': expected {wanted}")
     try:
-        direction = np.array([float(f) for f in fields])
+        up = np.array([float(field) for field in text.split(",")])
     except ValueError:
-        return parse_axes(",".join(fields))
-    return Axes(np.eye(3), np.eye(3), tilt=upright(direction))
+        up = np.zeros(0)
+    length = float(np.linalg.norm(up))
+    if up.shape != (3,) or not (math.isfinite(length) and length > 1e-6):
+        wanted = "an axis (y, z, -z, x ...), or three numbers, not all zero (0.04,0.95,0.3)"
+        raise InputError(f"--up '{text}': expected {wanted}; --axes takes right,up,forward")
+    up = up / length
+    # The half-way quaternion from up to +y; straight down has no smallest turn, x is taken.
+    half = np.array([-up[2], 0.0, up[0], 1.0 + up[1]]) if up[1] > -1 + 1e-12 else np.array([1.0, 0, 0, 0])
+    return Axes(np.eye(3), np.eye(3), tilt=half / np.linalg.norm(half))
 
 
 def _basis(words: str) -> Array:
@@ -170,17 +167,6 @@ def _axis_word(direction: Array) -> str:
     """Return the axis that a direction (3,) points along most, such as "-z"."""
     k = int(np.abs(direction).argmax())
     return ("-" if direction[k] < 0 else "") + "xyz"[k]
-
-
-def upright(up: Array) -> Array:
-    """Return the smallest turn, xyzw, that carries a direction (3,) to +y. Errors: InputError."""
-    length = float(np.linalg.norm(up))
-    if not (math.isfinite(length) and length > 1e-6):
-        raise InputError(f"--up {up.tolist()}: expected a direction that is not zero")
-    up = up / length
-    # The half-way quaternion from up to +y; straight down has no smallest turn, x is taken.
-    half = np.array([-up[2], 0.0, up[0], 1.0 + up[1]]) if up[1] > -1 + 1e-12 else np.array([1.0, 0, 0, 0])
-    return np.asarray(half / np.linalg.norm(half))
 
 
 # People keep their heads within about 30 degrees of upright, so the crown's mean is within 45.
@@ -237,64 +223,49 @@ class Evidence:
     gravity: Array  # (3,), up by the file's gravity columns; zeros: none
     path_m: float = 0.0  # the way that the head goes; 0 without positions
 
-    def score(self, reading: Array) -> float:
-        """Return points of a reading; one a criterion, gravity two."""
+    def weigh(self, reading: Array) -> tuple[float, str]:
+        """Return a reading's points, one a criterion and gravity two, and what contradicts it."""
         up, crown, gaze = reading
-        points = 2.0 * float(up @ self.gravity) + float(up @ self.upright @ crown)
-        points += float(np.abs(up) @ self.world_turns) + float(np.abs(crown) @ self.head_turns)
-        points += float(gaze @ self.travel) - float(np.abs(up) @ self.climb) + float(gaze @ self.neck)
-        nods, rolls = self._nods_and_rolls(reading)
-        points += 0.5 * (nods - rolls) / (nods + rolls) if nods + rolls > _TIPPED else 0.0
-        height = float(up @ self.height_m)
-        return points + (0.5 if _HEIGHTS_M[0] <= height <= _HEIGHTS_M[1] else -0.5 if height < -_HEIGHTS_M[0] else 0.0)
-
-    def faults(self, reading: Array) -> list[str]:
-        up, crown, gaze = reading
-        found = []
-        if self.gravity.any() and up @ self.gravity < UPRIGHT:
-            found.append("the file's gravity columns point another way")
-        cosine = float(up @ self.upright @ crown)
-        if cosine < _ON_ITS_SIDE and np.abs(self.upright).max() >= UPRIGHT:
-            found.append("the head is upside down" if cosine < -UPRIGHT else "the head lies on its side")
-        for turns, axis in ((self.world_turns, up), (self.head_turns, crown)):
-            if turns.max() > _TURNS_MOSTLY and np.abs(axis) @ turns < _TURNS_HARDLY and not found:
-                found.append("the head hardly turns about its upright axis, but about another")
-        if self.climb.max() > _TURNS_MOSTLY and np.abs(up) @ self.climb > _TURNS_MOSTLY:
-            found.append("the head climbs instead of walking")
-        if np.linalg.norm(self.travel) > _COHERENT and not found:
-            ahead = float(gaze @ self.travel) / float(np.linalg.norm(self.travel))
-            if ahead < 0.3:
-                found.append("the head walks backwards" if ahead < -UPRIGHT else "the head walks sideways")
-        ahead = float(gaze @ self.neck)
-        if self.neck.any() and ahead < 0.3 and not found:
-            found.append(f"the face is {'behind' if ahead < -UPRIGHT else 'beside'} the neck that it turns about")
-        nods, rolls = self._nods_and_rolls(reading)
-        if cosine > _WELL_UPRIGHT and rolls > max(3 * nods, _TIPPED) and not found:
-            found.append("the head rolls from side to side more than it nods")
-        height = float(up @ self.height_m)
-        if -_HEIGHTS_M[1] <= height <= -_HEIGHTS_M[0] and not found:
-            found.append(f"the head is {-height:.2f} m below the floor")
-        return found
-
-    def _nods_and_rolls(self, reading: Array) -> tuple[float, float]:
-        """Return the mean squares of how far gaze and ears leave the horizon."""
-        up, crown, gaze = reading
-        vertical = np.abs(up) @ self.tips
-        return float(vertical @ np.abs(gaze)), float(vertical @ np.abs(np.cross(crown, gaze)))
+        level, cosine = float(up @ self.gravity), float(up @ self.upright @ crown)
+        turns, nods = float(np.abs(up) @ self.world_turns), float(np.abs(crown) @ self.head_turns)
+        climbs, walks, faces = float(np.abs(up) @ self.climb), float(gaze @ self.travel), float(gaze @ self.neck)
+        points = 2.0 * level + cosine + (turns + nods) + (walks - climbs + faces)
+        tips = np.abs(up) @ self.tips  # mean squares of how far gaze and ears leave the horizon
+        pitched, rolled = float(tips @ np.abs(gaze)), float(tips @ np.abs(np.cross(crown, gaze)))
+        points += 0.5 * (pitched - rolled) / (pitched + rolled) if pitched + rolled > _TIPPED else 0.0
+        height, walked = float(up @ self.height_m), float(np.linalg.norm(self.travel))
+        points += 0.5 if _HEIGHTS_M[0] <= height <= _HEIGHTS_M[1] else -0.5 if height < -_HEIGHTS_M[0] else 0.0
+        hardly = any(
+            most.max() > _TURNS_MOSTLY and share < _TURNS_HARDLY
+            for most, share in ((self.world_turns, turns), (self.head_turns, nods))
+        )
+        way, side = "backwards" if walks < -UPRIGHT * walked else "sideways", "behind" if faces < -UPRIGHT else "beside"
+        tests = {
+            "the file's gravity columns point another way": self.gravity.any() and level < UPRIGHT,
+            "the head is upside down": cosine < -UPRIGHT,
+            "the head lies on its side": cosine < _ON_ITS_SIDE and np.abs(self.upright).max() >= UPRIGHT,
+            "the head hardly turns about its upright axis, but about another": hardly,
+            "the head climbs instead of walking": self.climb.max() > _TURNS_MOSTLY < climbs,
+            f"the head walks {way}": walked > _COHERENT and walks < 0.3 * walked,
+            f"the face is {side} the neck that it turns about": self.neck.any() and faces < 0.3,
+            "the head rolls from side to side more than it nods": (
+                cosine > _WELL_UPRIGHT and rolled > max(3 * pitched, _TIPPED)
+            ),
+            f"the head is {-height:.2f} m below the floor": -_HEIGHTS_M[1] <= height <= -_HEIGHTS_M[0],
+        }
+        return points, next((fault for fault, holds in tests.items() if holds), "")
 
     def best_points(self) -> float:
-        return max(map(self.score, _READINGS))
+        return max(self.weigh(reading)[0] for reading in _READINGS)
 
 
 @attrs.frozen(eq=False)
 class Verdict:
-    faults: list[str]  # what contradicts them; empty: nothing
-    better: Axes | None  # what fits best; None: nothing fits better
-    also: list[str]  # presets that fit as well as `better` and differ in what motion cannot show
-    clear: bool  # nothing else fits nearly as well
-    points: tuple[float, float]  # of the axes and of the better ones
+    fault: str  # what contradicts them; "": nothing
+    better: Axes | None = None  # what fits best; None: nothing fits better
+    advice: str = "nothing else fits better: --axes or --up states them"
     world_alone: bool = False  # the better ones turn the world alone: the head's are right
-    leaves_open: str = ""  # what the motion does not show, in words; empty: it confirms the axes
+    leaves_open: str = ""  # what the motion does not show, in words; "": it confirms the axes
 
 
 def judge(evidence: Evidence, axes: Axes) -> Verdict:
@@ -303,24 +274,24 @@ def judge(evidence: Evidence, axes: Axes) -> Verdict:
     Motion shows neither the hand of a file nor directions on the ground: a mirrored walk is a walk.
     """
     here = _reading_of(axes)
-    faults = evidence.faults(here)
-    ranked = sorted(((evidence.score(r), r) for r in _READINGS), key=operator.itemgetter(0), reverse=True)
-    own, (top, best) = evidence.score(here), ranked[0]
-    if not faults or np.array_equal(best, here) or top - own < CLEAR / 2:
-        others = [r for score, r in ranked if score > own - CLEAR and not np.array_equal(r, here)]
-        near = [r for r in others if not evidence.faults(r)]
+    own, fault = evidence.weigh(here)
+    weighed = [(*evidence.weigh(reading), reading) for reading in _READINGS]
+    top, _, best = max(weighed, key=operator.itemgetter(0))
+    if not fault or np.array_equal(best, here) or top - own < CLEAR / 2:
+        near = [r for score, other, r in weighed if score > own - CLEAR and not other and not np.array_equal(r, here)]
         which = "which way the head looks" if near else ""
         which = which if all(np.array_equal(r[:2], here[:2]) for r in near) else "which way is up"
-        return Verdict(faults, None, [], False, (own, own), leaves_open=which)
-    known = [load_preset(name).axes for name in preset_names()]
-    fitting = [axes for axes in known if np.array_equal(_reading_of(axes), best)]
+        return Verdict(fault, leaves_open=which)
+    fitting = [preset.axes for preset in presets if np.array_equal(_reading_of(preset.axes), best)]
     up, crown, gaze = best
     ahead = np.roll(np.abs(up), 1)  # on the ground, the next axis after up; all right-handed
     sides = ((np.cross(ahead, up), up, ahead), (np.cross(gaze, crown), crown, gaze))
     world, head = (",".join(map(_axis_word, side)) for side in sides)
     better = fitting[0] if fitting else parse_axes(f"world={world} head={head}")
-    clear, alone = top - ranked[1][0] > CLEAR and not evidence.faults(best), np.array_equal(best[1:], here[1:])
-    return Verdict(faults, better, [axes.name for axes in fitting[1:]], clear, (own, top), alone)
+    also = ", ".join(axes.name for axes in fitting[1:])
+    also = f" (so do {also}; motion cannot tell them apart)" if also else ""
+    advice = f"--axes '{better.name or better.words()}' fits better{also}: {top:.1f} points against {own:.1f}"
+    return Verdict(fault, better, advice, world_alone=np.array_equal(best[1:], here[1:]))
 
 
 def _reading_of(axes: Axes) -> Array:
@@ -379,7 +350,15 @@ def evidence_of(time_ns: NDArray[np.int64], orientation: Array, position_m: Arra
             unit = velocity[walks] / speed[walks][:, None]
             travel = np.einsum("nij,ni->nj", axes[:-1][near][walks], unit).mean(axis=0)
             climb = _shares(velocity[walks])
-        neck = _neck(axes, p, near)
+        # Accelerations of the tracked point by a fixed lever in the head: p'' = R'' lever.
+        moved, turned = (part[:-2] - 2 * part[1:-1] + part[2:] for part in (p, axes))
+        calm = near[1:] & near[:-1] & (np.linalg.norm(moved, axis=1) < 0.5)
+        a, b = turned[calm].reshape(-1, 3), moved[calm].reshape(-1)
+        if calm.sum() >= _LEAST_STEPS and b.any():
+            lever = np.linalg.lstsq(a, b, rcond=None)[0]
+            explained, length_m = 1 - float(((a @ lever - b) ** 2).sum() / (b**2).sum()), float(np.linalg.norm(lever))
+            if explained > _EXPLAINED and _NECK_M[0] < length_m < _NECK_M[1]:
+                neck = lever / length_m
         steady = p.std(axis=0) < 0.25
         height = np.where(steady, p.mean(axis=0), 0.0)
     down = float(np.linalg.norm(gravity))
@@ -393,21 +372,6 @@ def inverted(orientation: Array, position_m: Array | None) -> tuple[Array, Array
     if position_m is None:
         return turned, None
     return turned, -quaternions.rotate(turned / np.linalg.norm(turned, axis=1, keepdims=True), position_m)
-
-
-def _neck(axes: Array, position_m: Array, near: NDArray[np.bool_]) -> Array:
-    """Fit accelerations of the tracked point by a fixed lever in the head: p'' = R'' lever."""
-    both = near[1:] & near[:-1]
-    moved = (position_m[:-2] - 2 * position_m[1:-1] + position_m[2:])[both]
-    turned = (axes[:-2] - 2 * axes[1:-1] + axes[2:])[both]
-    calm = np.linalg.norm(moved, axis=1) < 0.5
-    a, b = turned[calm].reshape(-1, 3), moved[calm].reshape(-1)
-    if calm.sum() < _LEAST_STEPS or not b.any():
-        return np.zeros(3)
-    lever = np.linalg.lstsq(a, b, rcond=None)[0]
-    explained = 1 - float(((a @ lever - b) ** 2).sum() / (b**2).sum())
-    length = float(np.linalg.norm(lever))
-    return lever / length if explained > _EXPLAINED and _NECK_M[0] < length < _NECK_M[1] else np.zeros(3)
 
 
 def every(time_ns: NDArray[np.int64]) -> NDArray[np.intp]:
@@ -468,35 +432,39 @@ def gravity_axis(orientation: Array) -> Array | None:
 
 
 _TILT_SHOWN_DEG = 10.0
-# How an unstated order was read, the other one, and the options that state them.
-_BY_ROWS = "by rows, its matrices", "by columns", "--matrix columns, or rows"
-_W_LAST = "with w last, as in TUM files, its quaternions", "with w first", "--quat-order wxyz, or xyzw"
+_CONTRADICTED = "; the motion contradicts them"
 
 
 class JudgedAxes:
     """What turns a file's poses into OpenXR's axes, and who says so."""
 
     def __init__(self, r: Recording) -> None:
-        self.r, self.options = r, r.options
-        stated, by = self.options.pose, r.layout.direction_by
-        self.is_inverse, self._pose_by = (stated == INVERSE, By.USER) if stated else (r.layout.inverse, by)
+        self.r, options, layout = r, r.options, r.layout
+        self.is_inverse, self._pose_by = layout.inverse, layout.direction_by
+        if options.pose:
+            self.is_inverse, self._pose_by = options.pose == INVERSE, By.USER
         self._shown = ""  # what the motion shows, in words, for the line `axes`
         # The options come before the file and its format.
-        self.axes, self.axes_by = parse_axes(r.layout.axes), r.layout.axes_by
-        up = r.options.up
-        is_tilt = up is not None and not any(axis in up.lower() for axis in "xyz")  # a direction in numbers
-        if up is not None and not is_tilt and r.options.axes is not None:
-            what = "--axes and --up both name axes: say one"
-            raise InputError(f"{what}; beside --axes, --up may be three numbers, a tilt")
-        if r.options.axes is not None:
-            self.axes, self.axes_by = parse_axes(r.options.axes), By.USER
-        if up is not None and is_tilt:
-            self.axes = attrs.evolve(self.axes, tilt=parse_up(up).tilt)
-        elif up is not None and self.axes.up() != up.strip().lower().removeprefix("+"):
-            self.axes, self.axes_by = parse_up(up), By.USER
+        self.axes, self.axes_by = parse_axes(layout.axes), layout.axes_by
+        if options.axes is not None:
+            self.axes, self.axes_by = parse_axes(options.axes), By.USER
+        if options.up is not None:
+            said = parse_up(options.up)
+            if said.tilt is not None:
+                self.axes = attrs.evolve(self.axes, tilt=said.tilt)
+            elif options.axes is not None:
+                what = "--axes and --up both name axes: say one"
+                raise InputError(f"{what}; beside --axes, --up may be three numbers, a tilt")
+            elif self.axes.up() != options.up.strip().lower().removeprefix("+"):
+                self.axes, self.axes_by = said, By.USER
+        self.scale, self.scale_by = layout.scale, layout.scale_by  # metres of a unit of the file
+        if options.scale is not None:
+            self.scale, self.scale_by = options.scale, By.USER
+        elif self.axes.metres_per_unit is not None:
+            self.scale, self.scale_by = self.axes.metres_per_unit, self.axes_by
 
     def assumptions(self) -> tuple[Assumption, ...]:
-        layout, options, (scale, scale_by) = self.r.layout, self.options, self.scale
+        layout, options = self.r.layout, self.r.options
         if layout.euler is not None:
             turn, option = f"angles {layout.euler.words()}", "--euler"
         elif layout.matrix:
@@ -504,95 +472,86 @@ class JudgedAxes:
         else:
             turn, option = f"quaternion {layout.order}", "--quat-order"
         tilted = "" if self.axes.tilt is None else f", tilted to {options.up}"
-        length = Assumption(Fact.LENGTH, f"{scale:g} m per unit", scale_by, "--scale")
         clock_by = By.USER if options.rate or options.time_unit else layout.unit_by
-        return (
+        facts = (
             Assumption(Fact.ORIENTATION, turn, layout.order_by, option),
             Assumption(Fact.POSE, DIRECTION[self.is_inverse], self._pose_by, "--pose"),
-            *([length] if self.r.position is not None else []),
+            Assumption(Fact.LENGTH, f"{self.scale:g} m per unit", self.scale_by, "--scale"),
             Assumption(Fact.AXES, self.axes.label(), self.axes_by, "--axes"),
             Assumption(Fact.UP, self.axes.up() + tilted, By.USER if tilted else self.axes_by, "--up"),
             Assumption(Fact.CLOCK, self.r.time_unit, clock_by, "--time-unit"),
-            *([Assumption("clock wrap", self.r.wrap, By.DEFAULT)] if self.r.wrap else []),
         )
-
-    @property
-    def scale(self) -> tuple[float, By]:
-        """Metres of a unit of the file, and who says so."""
-        if self.options.scale is not None:
-            return self.options.scale, By.USER
-        own = self.axes.metres_per_unit
-        return (self.r.layout.scale, self.r.layout.scale_by) if own is None else (own, self.axes_by)
+        return tuple(fact for fact in facts if fact.what != Fact.LENGTH or self.r.position is not None)
 
     def weigh(self) -> None:
         """Warn where the motion contradicts axes, unit or direction of the poses."""
-        r = self.r
-        metres = None if r.position is None else r.position * self.scale[0]
-        evidence = evidence_of(r.time_ns, r.orientation, metres, np.array(r.layout.gravity_down))
+        r, time_ns = self.r, self.r.time_ns
+        metres = None if r.position is None else r.position * self.scale
+        evidence = evidence_of(time_ns, r.orientation, metres, np.array(r.layout.gravity_down))
+        best, at = evidence.best_points(), every(time_ns)
+
+        def other(orientation: Array, position: Array | None) -> Evidence:
+            return evidence_of(time_ns[at], orientation, position, evidence.gravity)
+
         if r.layout.order_by is By.DEFAULT and r.layout.euler is None:
-            self._refuse_other_order(evidence)
+            place, stated = None if metres is None else metres[at], _reading_of(self.axes)
+
+            def points(found: Evidence) -> float:  # in any axes, or in those that the format states
+                return found.best_points() if r.layout.axes == OPENXR else found.weigh(stated)[0]
+
+            own = points(evidence) + CLEAR
+            self._refuse_other_order(lambda turned: points(other(turned, place)) > own, r.orientation[at])
         verdict = judge(evidence, self.axes)
         if metres is not None:
-            height_m = 0.0 if verdict.faults else float(self.axes.world[1] @ evidence.height_m)
-            what, remedy = _place_fault(r.time_ns, metres, height_m)
+            height_m = 0.0 if verdict.fault else float(self.axes.world[1] @ evidence.height_m)
+            what, remedy = _place_fault(time_ns, metres, height_m)
             if what:
                 r.note("place-implausible", what, f"kept; {remedy}")
         if self.axes_by is By.DEFAULT:
             self._shown = "; the motion agrees"
             if verdict.leaves_open:
                 self._shown = f"; the motion does not show {verdict.leaves_open}; --axes or --up states it"
-        if self.options.pose is None and self._contradict_pose(evidence, metres, bool(verdict.faults)):
-            return
-        if verdict.world_alone:
-            # Where up lies between the file's axes, `report_tilt` says by how much.
+        if r.options.pose is None:
+            inverse = other(*inverted(r.orientation[at], None if metres is None else metres[at]))
+            # The inverse of a head that turns on the spot swings about the origin: each halving of
+            # the way is worth a point. Of 15 recordings the inverse way is 1.2 to 19 times as long.
+            shorter = math.log2(evidence.path_m / inverse.path_m) if evidence.path_m and inverse.path_m else 0.0
+            gain = inverse.best_points() - best + min(max(shorter, -1.5), 1.5)
+            if gain > (CLEAR if verdict.fault else SURE):
+                here, there = DIRECTION[::-1] if self.is_inverse else DIRECTION
+                better, word = judge(inverse, self.axes).better, DIRECT if self.is_inverse else INVERSE
+                axes = f" --axes '{better.name or better.words()}'" if better is not None else ""
+                what = f"its poses, read as {here}, make a person's motion if they are {there}: {gain:.1f} points more"
+                r.note("pose-contradicted", what, f"kept; --pose {word}{axes} takes them so")
+                self._shown = _CONTRADICTED
+                return
+        if verdict.world_alone:  # where up lies between the file's axes, `report_tilt` says by how much
             converted = r.orientation.copy()
             self.axes.apply(None, converted)
             axis = gravity_axis(converted)
             if axis is not None and float(np.abs(axis).max()) < math.cos(math.radians(_TILT_SHOWN_DEG)):
                 return
-        if verdict.faults:
-            done = "kept; nothing else fits better: --axes or --up states them"
-            if (found := verdict.better) is not None:
-                sure = "clearly fits" if verdict.clear else "fits better, though not clearly"
-                also = f" (so do {', '.join(verdict.also)}; motion cannot tell them apart)" if verdict.also else ""
-                own, best = verdict.points
-                done = f"kept; --axes '{found.name or found.words()}' {sure}{also}: {best:.1f} points against {own:.1f}"
-            what = f"read as {self.axes.label()}, {AXES_BY[self.axes_by]}: {', '.join(verdict.faults)}"
-            self._contradict("axes-contradicted", what, done)
+        if verdict.fault:
+            what = f"read as {self.axes.label()}, {AXES_BY[self.axes_by]}: {verdict.fault}"
+            r.note("axes-contradicted", what, f"kept; {verdict.advice}")
+            self._shown = _CONTRADICTED
 
-    def _contradict(self, kind: str, what: str, done: str) -> None:
-        self.r.note(kind, what, done)
-        self._shown = "; the motion contradicts them"
-
-    def _refuse_other_order(self, evidence: Evidence) -> None:
+    def _refuse_other_order(self, fits: Callable[[Array], bool], read: Array) -> None:
         """Refuse an assumed order of numbers where only the other one shows a person."""
-        r, at = self.r, every(self.r.time_ns)
-        turned = r.orientation[at]
-        turned = quaternions.conjugate(turned) if r.layout.matrix else np.roll(turned, -1, axis=1)
-        place = None if r.position is None else r.position[at]
-        other = evidence_of(r.time_ns[at], turned, place, evidence.gravity)
-        if other.best_points() > evidence.best_points() + CLEAR:
-            what, right, wrong = _BY_ROWS if r.layout.matrix else _W_LAST
-            is_right = f"{right} they do: say {wrong} if it is right as it is"
-            raise TraceError(f"{r.where}: read {what} make no person's motion; {is_right}")
-
-    def _contradict_pose(self, evidence: Evidence, metres: Array | None, contradicted: bool) -> bool:
-        """Suggest the other direction of the poses where only that one makes a person's motion."""
-        at = every(self.r.time_ns)  # first, as an inverse copies all poses
-        poses = inverted(self.r.orientation[at], None if metres is None else metres[at])
-        other = evidence_of(self.r.time_ns[at], *poses, evidence.gravity)
-        # The inverse of a head that turns on the spot swings about the origin: each halving of the
-        # way is worth a point. Of 15 recordings the inverse way is 1.2 to 19 times as long.
-        shorter = math.log2(evidence.path_m / other.path_m) if evidence.path_m and other.path_m else 0.0
-        gain = other.best_points() - evidence.best_points() + min(max(shorter, -1.5), 1.5)
-        if gain <= (CLEAR if contradicted else SURE):
-            return False
-        here, there = DIRECTION[::-1] if self.is_inverse else DIRECTION
-        better, word = judge(other, self.axes).better, DIRECT if self.is_inverse else INVERSE
-        axes = f" --axes '{better.name or better.words()}'" if better is not None else ""
-        what = f"its poses, read as {here}, make a person's motion if they are {there}: {gain:.1f} points more"
-        self._contradict("pose-contradicted", what, f"kept; --pose {word}{axes} takes them so")
-        return True
+        first, last = ("with w first", "--quat-order wxyz"), ("with w last", "--quat-order xyzw")
+        if self.r.layout.matrix:
+            turned, ways = (
+                quaternions.conjugate(read),
+                (("by rows", "--matrix rows"), ("by columns", "--matrix columns")),
+            )
+        elif self.r.layout.order == "xyzw":
+            turned, ways = np.roll(read, -1, axis=1), (last, first)
+        else:
+            turned, ways = np.roll(read, 1, axis=1), (first, last)
+        if fits(turned):
+            (here, own), (there, right) = ways
+            what = f"its rotations, read {here}, make no person's motion; {there} they do"
+            raise TraceError(f"{self.r.where}: {what}: say {right}, or {own} if it is right as it is")
 
     def words(self) -> str:
         """Return the axes, who says so, and what the motion shows."""
@@ -600,8 +559,8 @@ class JudgedAxes:
 
     def report_tilt(self) -> None:
         """Report gravity that is not along +y, judged by how the head is held."""
-        contradicted = self._shown.endswith("contradicts them")  # a turn of the world mends no wrong axes
-        axis = None if contradicted else gravity_axis(self.r.orientation)
+        # A turn of the world mends no wrong axes.
+        axis = None if self._shown == _CONTRADICTED else gravity_axis(self.r.orientation)
         tilt = 0.0 if axis is None else float(np.degrees(np.arccos(np.clip(axis[1], -1, 1))))
         if axis is not None and tilt > _TILT_SHOWN_DEG:
             shown = ",".join(f"{a:.2f}" for a in axis)

@@ -19,9 +19,11 @@ from ..assumptions import Assumption, By, Defect, Fact, unstated
 from ..options import FRAMES
 from ..track import PoseTrack, gap_limit_ns
 from .axes import JudgedAxes, find_jumps, inverted
-from .header import head_rank
-from .layouts import columns_read
-from .text_table import BILLION, DAY_S, LARGEST, UNIT_NAMES, UNITS_NS, Recording, Segment, Stamps
+from .columns import BILLION, UNITS_NS, columns_read, head_rank
+from .text_table import DAY_S, LARGEST, Recording, Segment, Stamps
+
+_NAMES = "seconds", "milliseconds", "microseconds", "ticks of 100 ns", "nanoseconds"
+UNIT_NAMES = dict(zip(UNITS_NS, _NAMES, strict=True))
 
 
 @attrs.frozen(eq=False)
@@ -83,9 +85,22 @@ def _which_rows(r: Recording) -> None:
         late = not len(r.stamps) or r.stamps[-2:].steps()[0] > 0
         if off[1] > _COARSE_NORM >= off[0] or not late:
             r.found("last-row-cut", [-1], f"quaternion of length {length[1]:.2f}" if late else "time falls")
-    stated = r.options.device
-    if r.device is not None:
-        _take_device(r, r.device, stated)
+    stated, device, r.device = r.options.device, r.device, None
+    if device is not None:  # the head's rows, or the first eye's, where rows of several devices are mixed
+        names, first, counts = np.unique(device, return_index=True, return_counts=True)
+        texts = [n.decode("latin-1") for n in names]
+        if stated is not None and stated not in texts:
+            raise TraceError(f"{r.where}: no rows of device '{stated}': there are those of {', '.join(texts[:8])}")
+        tracked = np.abs(r.orientation).max(axis=1) > _ZERO_NORM
+        lost = [not tracked[device == name].any() for name in names]
+        order = [float(t) for t in texts] if all(map(are_digits, texts)) else first.tolist()
+        best = min(range(len(texts)), key=lambda i: (lost[i], head_rank(texts[i]), order[i]))
+        taken = best if stated is None else texts.index(stated)
+        others, r.taken = np.flatnonzero(device != names[taken]), texts[taken]
+        if r.head.made is not None and r.taken in r.head.made.nested:
+            r.defects.append(r.head.made.nested[r.taken])
+        several = len(names), ", ".join(texts[:6])
+        r.found("devices-interleaved", others, *several, counts[taken], r.taken, len(others))
     elif stated is not None:
         raise TraceError(f"{r.where} has no column that names devices: leave --device out")
     zero = np.flatnonzero(np.abs(r.orientation).max(axis=1) < _ZERO_NORM)
@@ -102,25 +117,6 @@ def _need_two_rows(r: Recording) -> None:
         raise TraceError(f"{r.where} holds {len(r)} usable row: expected two or more ({known})")
 
 
-def _take_device(r: Recording, device: NDArray[np.bytes_], stated: str | None) -> None:
-    """Keep the head's rows, or the first eye's, where rows of several devices are mixed."""
-    names, first, counts = np.unique(device, return_index=True, return_counts=True)
-    texts = [n.decode("latin-1") for n in names]
-    if stated is not None and stated not in texts:
-        raise TraceError(f"{r.where}: no rows of device '{stated}': there are those of {', '.join(texts[:8])}")
-    tracked = np.abs(r.orientation).max(axis=1) > _ZERO_NORM
-    lost = [not tracked[device == name].any() for name in names]
-    order = [float(t) for t in texts] if all(map(are_digits, texts)) else first.tolist()
-    best = min(range(len(texts)), key=lambda i: (lost[i], head_rank(texts[i]), order[i]))
-    taken = best if stated is None else texts.index(stated)
-    others, r.taken, r.device = np.flatnonzero(device != names[taken]), texts[taken], None
-    if r.head.made is not None and r.taken in r.head.made.nested:
-        r.defects.append(r.head.made.nested[r.taken])
-    if len(names) > 1:
-        several = len(names), ", ".join(texts[:6])
-        r.found("devices-interleaved", others, *several, counts[taken], r.taken, len(others))
-
-
 # Shares of steps back in time: a file with restarts has few, a shuffled one half.
 _SHUFFLED, _REVERSED, _LEAST_STEPS = 0.2, 0.9, 10
 _SEGMENTS_LISTED = 1000  # a jittering clock can run backwards a million times
@@ -131,10 +127,10 @@ _RATES_HZ = (10.0, 2000.0)  # of trackers
 _IMPOSSIBLE_HZ = (0.01, 1e6)  # below and above this a clock was misread
 _COUNTED = {3: "milliseconds", 6: "microseconds", 7: "ticks of 100 ns", 9: "nanoseconds"}  # by the digits of a second
 # A counter of 32 bits, with a sign or without, in its own unit or in one 10^3, 10^6, 10^9 as large.
-_BITS, _SCALES = (32, 31), (1, 10**3, 10**6, 10**9)
+_TOPS = [2**bits / scale for bits in (32, 31) for scale in (1, 10**3, 10**6, 10**9)]
 _LONG = 10**5  # steps a wrap: no recording ends by chance that near to the top, and begins near 0
-_SHORTEST = 20  # rows a wrap
 _NEAR = 1000  # steps from the last stamp before a wrap to the first after it
+_SHORTEST = 20  # rows a wrap or a leap
 _SMOOTH = 3.0  # times the largest of the turns around it
 # A leap of the clock: seconds, steps, rows compared on either side, and how far they turn a head.
 _PAUSE_S, _LONG_PAUSE, _AROUND, _TURNS_RAD = 30.0, 1000, 5, 3e-4
@@ -147,22 +143,19 @@ _OFF_TICK, _ONE_SIZE, _EVENER, _IN_TICK = 0.08, 0.98, 0.5, 1.15
 
 def _when(r: Recording) -> None:
     """Read the stamps, count on where the clock begins again, take one recording."""
-    if (rate := r.options.rate) is not None and r.layout.unit == FRAMES:
-        r.found("clock-by-rate", None, "the file numbers its frames", "these numbers", rate)
-    elif rate is not None:
-        step_ns = BILLION / rate
-        if (len(r) - 1) * step_ns > LARGEST:
-            raise TraceError(f"{r.where}: {len(r)} rows at {rate:g} Hz last over 146 years; give a higher --trace-rate")
-        r.stamps = Stamps(np.rint(np.arange(len(r)) * step_ns).astype(np.int64), np.zeros(len(r), np.int64))
-        r.layout = attrs.evolve(r.layout, unit="ns")
+    if (rate := r.options.rate) is not None:
+        frames, step_ns = r.layout.unit == FRAMES, BILLION / rate
+        numbers = r.stamps.whole if frames else np.arange(len(r))
+        first, what = int(numbers[0]), "frame" if frames else "row"
+        if max(int(numbers.max()), -int(numbers.min())) * step_ns > LARGEST:
+            how = "--time-column names the column of frames, --trace-rate their rate"
+            raise TraceError(f"{r.where}: {what} {first} or later is over 146 years from {what} 0: {how}")
+        counted_ns = np.rint((numbers - first) * step_ns).astype(np.int64) + round(first * step_ns)
+        r.stamps = Stamps(counted_ns, np.zeros(len(r), np.int64))
+        r.layout, r.time_unit = attrs.evolve(r.layout, unit="ns"), f"{what} numbers at {rate:g} Hz"
         aside = "the file's own clock is put aside" if r.layout.clock_ignored else "the file has no time"
-        r.found("clock-by-rate", None, aside, "row numbers", rate)
+        r.found("clock-by-rate", None, "the file numbers its frames" if frames else aside, f"{what} numbers", rate)
     _count_fractions(r)
-    whole = r.stamps.whole
-    over = (np.diff(whole) < -DAY_S // 2) & (whole[1:] < DAY_S) & (whole[:-1] < DAY_S)
-    if r.stamps.clock and over.any():
-        _wrapped(r, "midnight", np.flatnonzero(over) + 1, DAY_S * BILLION, "the clock passes midnight {}")
-    _wraps(r)
     steps = r.stamps.steps()
     falls = float(np.mean(steps < 0)) if len(steps) > _LEAST_STEPS else 0.0
     if falls > _REVERSED and not (steps > 0).any():
@@ -174,10 +167,31 @@ def _when(r: Recording) -> None:
     _find_unit(r)
     _clock_changes(r)
     _take_segment(r)
-    _read_times(r)
-    if rate is None:
-        _coarse_clock(r)
-        _judge_rate(r)
+    # ns since the segment's first row, subtracted before scaling
+    stamps, scale, size = r.stamps, UNITS_NS[r.unit], BILLION // UNITS_NS[r.unit]
+    first, part = int(stamps.whole[0]), int(stamps.billionths[0]) // size
+    span = max(abs(int(stamps.whole.max()) - first), abs(int(stamps.whole.min()) - first)) * scale
+    if span > LARGEST:
+        what = f"the stamps, taken as {UNIT_NAMES[r.unit]}, make a span of {span / 1e9 / 86400 / 365:.3g} years"
+        raise TraceError(f"{r.where}: {what}: this is no head trace")
+    r.epoch_ns = first * scale + part
+    r.time_ns = (stamps.whole - first) * scale + stamps.billionths // size - part  # floored, which keeps their order
+    r.time_unit = r.time_unit or ("hours:minutes:seconds" if stamps.clock else UNIT_NAMES[r.unit])
+    r.stamps = Stamps(np.zeros(0, np.int64), np.zeros(0, np.int64))
+    if rate is not None:
+        return
+    _coarse_clock(r)
+    if len(rises := (steps := np.diff(r.time_ns))[steps > 0]):
+        rate_hz, read = BILLION / float(np.median(rises)), f"its clock, read as {UNIT_NAMES[r.unit]}, makes"
+        others = {u: rate_hz * UNITS_NS[r.unit] / UNITS_NS[u] for u in UNITS_NS}
+        fits = [u for u, hz in others.items() if _RATES_HZ[0] <= hz <= _RATES_HZ[1]]
+        best = min(fits, key=lambda u: abs(np.log(others[u] / _USUAL_HZ)), default="")
+        remedy = f"--time-unit {best} makes {others.get(best, 0):.4g} Hz"
+        remedy = remedy if best else "--trace-rate gives the samples per second instead"
+        if not _IMPOSSIBLE_HZ[0] <= rate_hz <= _IMPOSSIBLE_HZ[1] and len(steps) > 1:
+            raise TraceError(f"{r.where}: {read} {rate_hz:.4g} Hz, which no recording has: {remedy}")
+        if not _RATES_HZ[0] <= rate_hz <= _RATES_HZ[1] and len(steps) > 1:
+            r.found("rate-implausible", None, UNIT_NAMES[r.unit], rate_hz, remedy)
 
 
 def _count_fractions(r: Recording) -> None:
@@ -202,41 +216,6 @@ def _count_fractions(r: Recording) -> None:
         r.found("fraction-unpadded", None, unit)
 
 
-def _count_on(r: Recording, rows: NDArray[np.intp], shifts: list[int]) -> None:
-    """Move the stamps from each of these rows on by so many billionths."""
-    moved = np.zeros((len(r), 2), np.int64)
-    moved[rows] = [divmod(one, BILLION) for one in shifts]
-    wholes, parts = np.cumsum(moved, axis=0).T
-    parts += r.stamps.billionths
-    r.stamps = Stamps(r.stamps.whole + wholes + parts // BILLION, parts % BILLION, r.stamps.clock)
-
-
-def _wrapped(r: Recording, kind: str, rows: NDArray[np.intp], length: int, what: str) -> None:
-    """Count on from these rows, where the clock begins again after so many billionths."""
-    _count_on(r, rows, [length] * len(rows))
-    r.wrap = what.format(counted(len(rows), "time"))
-    r.found(kind, rows, r.wrap)
-
-
-def _wraps(r: Recording) -> None:
-    """Find a 32-bit counter that falls from near its top to near 0, or to its bottom."""
-    stamps, steps = r.stamps, r.stamps.steps()
-    falls = np.flatnonzero(steps < 0)
-    if stamps.clock or not 0 < len(falls) * _SHORTEST <= len(stamps):
-        return
-    step = float(np.median(steps[steps > 0]))
-    scales = _SCALES if stamps.billionths.any() else (1,)
-    for bits, scale in ((bits, scale) for bits in _BITS for scale in scales):
-        top = 2**bits / scale
-        after = steps[falls] + top
-        near = (top > _LONG * step) & (after > 0) & (after <= step * _NEAR)
-        near &= (stamps.whole[falls] <= top) & (stamps.whole[falls + 1] >= -top / 2 - 1)
-        if near.any():
-            what = f"the clock wraps {{}}, at 2^{bits}{f'/{scale:g}' if scale > 1 else ''}"
-            _wrapped(r, "clock-wrap", falls[near] + 1, 2**bits * BILLION // scale, what)
-            return
-
-
 def _turned(orientation: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the angle of each step of quaternions of any length, (n - 1,)."""
     unit = orientation / np.maximum(np.linalg.norm(orientation, axis=1, keepdims=True), 1e-9)
@@ -246,15 +225,8 @@ def _turned(orientation: NDArray[np.float64]) -> NDArray[np.float64]:
 def _find_unit(r: Recording) -> None:
     """Find the unit of the clock; where nothing says it, that whose rate is a tracker's."""
     stamps, steps, first = r.stamps, r.stamps.steps(), int(r.stamps.whole[0])
-    if r.layout.unit == FRAMES:
-        step_ns = BILLION / (r.options.rate or 1)
-        if step_ns * max(int(stamps.whole.max()), -int(stamps.whole.min())) > LARGEST:
-            what = f"frame {first} is over 146 years from frame 0"
-            raise TraceError(f"{r.where}: {what}: --time-column names the column of frames, --trace-rate their rate")
-        counted_ns = np.rint((stamps.whole - first) * step_ns).astype(np.int64) + round(first * step_ns)
-        r.stamps, r.unit = Stamps(counted_ns, np.zeros(len(r), np.int64)), "ns"
-        return
-    r.unit = "s" if stamps.clock else r.options.time_unit or r.layout.unit or ""
+    stated = None if r.options.rate else r.options.time_unit
+    r.unit = "s" if stamps.clock else stated or r.layout.unit or ""
     if r.unit:
         return
     if not (steps > 0).any():
@@ -276,33 +248,42 @@ def _find_unit(r: Recording) -> None:
 
 
 def _clock_changes(r: Recording) -> None:
-    """Count on where the clock leaps while the head moves on, by half a minute or at rest years."""
+    """Count on where the clock begins again at its top, or leaps while the head moves on."""
     stamps, steps, size = r.stamps, r.stamps.steps(), UNITS_NS[r.unit] / BILLION
-    at = int(np.argmax(np.abs(steps))) if len(steps) else 0
-    before, after = (part[part > 0] for part in (steps[:at], steps[at + 1 :]))
-    if len(steps) >= 2 * _SHORTEST and min(len(before), len(after)) >= _SHORTEST:
+    rises = np.flatnonzero(steps > 0)
+    if not len(rises):
+        return
+    at, step = int(np.argmax(np.abs(steps))), float(np.median(steps[rises]))
+    before, after = (steps[part] for part in (rises[rises < at], rises[rises > at]))
+    if min(len(before), len(after)) >= _SHORTEST:
         ratio = abs(math.log10(float(np.median(after) / np.median(before))))
         if any(abs(ratio - power) < 0.05 for power in (3, 6, 9)):
             raise TraceError(f"{r.where}: its clock changes its unit in line {r.line[at + 1]}: cut the file there")
-    step = float(np.median(steps[steps > 0])) if (steps > 0).any() else math.inf
+    # By half a minute: at rest the head shows a leap of years alone, and a gap is none.
     far = np.flatnonzero((np.abs(steps) * size > _PAUSE_S) & (np.abs(steps) > _LONG_PAUSE * step))
-    far = far[(far >= _AROUND) & (far < len(r) - _AROUND)]
     if not 0 < len(far) * _SHORTEST <= len(r):
         return
-    found = []
+    moved = np.zeros((len(r), 2), np.int64)  # seconds of the file's unit, and billionths of one, from each row on
+    steady, tops = [int(step), round(step % 1 * BILLION)], [top for top in _TOPS if top > _LONG * step]
     for leap in far.tolist():
-        turned = _turned(r.orientation[leap - _AROUND : leap + _AROUND + 2])
-        own, others = float(turned[_AROUND]), np.delete(turned, _AROUND)
-        moves = float(np.median(others)) > _TURNS_RAD or abs(steps[leap]) * size > _YEARS_S
-        if moves and own <= _SMOOTH * float(others.max(initial=0.0)):
-            found.append(leap)
-    if not found:
-        return
-    leaps = ", ".join(f"{float(steps[leap]) * UNITS_NS[r.unit] / BILLION:+.6g} s" for leap in found[:3])
-    steady = int(step) * BILLION + round(step % 1 * BILLION)
-    wholes, parts = np.diff(stamps.whole)[found].tolist(), np.diff(stamps.billionths)[found].tolist()
-    rows = np.array(found) + 1
-    _count_on(r, rows, [steady - a * BILLION - b for a, b in zip(wholes, parts, strict=True)])
+        a, b = stamps.whole[leap : leap + 2].tolist()
+        top = next((top for top in tops if 0 < steps[leap] + top <= step * _NEAR and a <= top and b >= -top / 2 - 1), 0)
+        if stamps.clock and steps[leap] < -DAY_S / 2 and max(a, b) < DAY_S:
+            top = DAY_S  # midnight
+        if top:
+            moved[leap + 1] = divmod(round(top * BILLION), BILLION)
+        elif _AROUND <= leap < len(r) - _AROUND:
+            turned = _turned(r.orientation[leap - _AROUND : leap + _AROUND + 2])
+            own, others = float(turned[_AROUND]), np.delete(turned, _AROUND)
+            moves = float(np.median(others)) > _TURNS_RAD or abs(steps[leap]) * size > _YEARS_S
+            if moves and own <= _SMOOTH * float(others.max(initial=0.0)):
+                parts = int(stamps.billionths[leap + 1]) - int(stamps.billionths[leap])
+                moved[leap + 1] = steady[0] - (b - a), steady[1] - parts
+    rows = np.flatnonzero(moved.any(axis=1))
+    wholes, billionths = np.cumsum(moved, axis=0).T
+    billionths += stamps.billionths
+    r.stamps = Stamps(stamps.whole + wholes + billionths // BILLION, billionths % BILLION, stamps.clock)
+    leaps = ", ".join(f"{float(steps[row - 1]) * size:+.6g} s" for row in rows[:3])
     r.found("clock-changes", rows, counted(len(rows), "time"), leaps)
 
 
@@ -330,22 +311,6 @@ def _take_segment(r: Recording) -> None:
         r.keep(slice(starts[taken], ends[taken]))
 
 
-def _read_times(r: Recording) -> None:
-    """Convert stamps to ns since the segment's first row, subtracted before scaling."""
-    stamps, scale, size = r.stamps, UNITS_NS[r.unit], BILLION // UNITS_NS[r.unit]
-    first, part = int(stamps.whole[0]), int(stamps.billionths[0]) // size
-    span = max(abs(int(stamps.whole.max()) - first), abs(int(stamps.whole.min()) - first)) * scale
-    if span > LARGEST:
-        what = f"the stamps, taken as {UNIT_NAMES[r.unit]}, make a span of {span / 1e9 / 86400 / 365:.3g} years"
-        raise TraceError(f"{r.where}: {what}: this is no head trace")
-    r.epoch_ns = first * scale + part
-    r.time_ns = (stamps.whole - first) * scale + stamps.billionths // size - part  # floored, which keeps their order
-    r.time_unit = "hours:minutes:seconds" if stamps.clock else UNIT_NAMES[r.unit]
-    if r.options.rate is not None:
-        r.time_unit = f"{'frame' if r.layout.unit == FRAMES else 'row'} numbers at {r.options.rate:g} Hz"
-    r.stamps = Stamps(np.zeros(0, np.int64), np.zeros(0, np.int64))
-
-
 def _coarse_clock(r: Recording) -> None:
     """Find a clock of so few ticks that rows, taken evenly, fit the head better than stamps."""
     steps = np.diff(r.time_ns)
@@ -361,18 +326,13 @@ def _coarse_clock(r: Recording) -> None:
     if not even < _EVENER * stamped:
         return
     common = np.bincount(ticks.astype(np.int64)).argmax()
-    jittering = np.flatnonzero(ticks != common) + 1
-    even_ns = _evenly(r.time_ns, tick)
-    off = np.full(len(r), tick / 2) if even_ns is None else np.abs(even_ns - r.time_ns)
-    speed = near / max(float(steps.mean()), 1.0)
-    error_deg = np.degrees(float(np.quantile(off[1:] * speed, 0.95)))
-    done = "kept: speeds and predictions are off by as much"
+    even_ns, done = _evenly(r.time_ns, tick), "kept: speeds and predictions are off by half a tick's motion"
     if even_ns is not None:
         r.epoch_ns += int(even_ns[0])
         r.time_ns = even_ns - even_ns[0]
         rate = BILLION / float(np.median(np.diff(r.time_ns)))
         done = f"rows taken evenly at {rate:.4g} Hz, which fits every stamp"
-    r.found("clock-coarse", jittering, tick / 1e6, error_deg, done)
+    r.found("clock-coarse", np.flatnonzero(ticks != common) + 1, tick / 1e6, done)
 
 
 def _tick(steps: NDArray[np.int64]) -> float | None:
@@ -410,24 +370,6 @@ def _evenly(time_ns: NDArray[np.int64], tick: float) -> NDArray[np.int64] | None
     return out if (np.diff(out) > 0).all() else None
 
 
-def _judge_rate(r: Recording) -> None:
-    """Note a rate of no tracker. Errors: TraceError for one that no recording can have."""
-    steps = np.diff(r.time_ns)
-    if len(steps) < 2 or not (steps > 0).any():
-        return
-    rate_hz = BILLION / float(np.median(steps[steps > 0]))
-    others = {u: rate_hz * UNITS_NS[r.unit] / UNITS_NS[u] for u in UNITS_NS}
-    fits = [u for u, hz in others.items() if _RATES_HZ[0] <= hz <= _RATES_HZ[1]]
-    best = min(fits, key=lambda u: abs(np.log(others[u] / _USUAL_HZ)), default="")
-    remedy = f"--time-unit {best} makes {others.get(best, 0):.4g} Hz"
-    remedy = remedy if best else "--trace-rate gives the samples per second instead"
-    if not _IMPOSSIBLE_HZ[0] <= rate_hz <= _IMPOSSIBLE_HZ[1]:
-        what = f"its clock, read as {UNIT_NAMES[r.unit]}, makes {rate_hz:.4g} Hz"
-        raise TraceError(f"{r.where}: {what}, which no recording has: {remedy}")
-    if not _RATES_HZ[0] <= rate_hz <= _RATES_HZ[1]:
-        r.found("rate-implausible", None, UNIT_NAMES[r.unit], rate_hz, remedy)
-
-
 # Glasses write each pose twice, 0.1 ms apart at 30 to 1000 Hz: so much nearer, by share of steps.
 _NEARER, _PAIRED, _LEAST_PAIRS = 8, 0.3, 20
 _LEAST_RUN = 3  # rows of one pose at the start
@@ -460,7 +402,7 @@ def _which_are_new(r: Recording) -> None:
         return
     jumps = np.zeros(len(q) + 1, bool)  # before each row, and after the last
     jumps[[0, -1]] = True
-    jumps[find_jumps(r.time_ns, q, None if p is None else p * r.judged.scale[0]) + 1] = True
+    jumps[find_jumps(r.time_ns, q, None if p is None else p * r.judged.scale) + 1] = True
     starts, ends = (np.flatnonzero(np.diff(default.astype(np.int8), prepend=0, append=0) == way) for way in (1, -1))
     lost = [np.arange(a, b) for a, b in zip(starts, ends, strict=True) if jumps[a] and jumps[b]]
     if lost:
@@ -497,7 +439,7 @@ def _axes_and_unit(r: Recording) -> None:
     r.judged.axes.apply(r.position, r.orientation)
     if r.position is None:
         r.found("no-position", None)
-    elif (scale := r.judged.scale[0]) != 1:
+    elif (scale := r.judged.scale) != 1:
         r.position *= scale
     if (found := r.gaze) is None:
         return

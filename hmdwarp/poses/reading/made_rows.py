@@ -26,7 +26,7 @@ from ...options.documents import DocumentError, json_in, parse_json
 from ...options.named_files import FACTS, LIST, content_of, text_in
 from ..assumptions import By, Defect
 from ..options import Euler
-from .header import COMMENT_SIGNS, LENGTHS, Made, find_columns, head_rank, named_matrices, names_rotation, rows_text
+from .columns import COMMENT_SIGNS, LENGTHS, Made, has_pose, head_rank, names_rotation, rows_text
 
 _LEAST_RECORDS = 2
 _NAMES = ("schema", "columns", "header", "headers", "fields", "names", "keys")
@@ -60,24 +60,21 @@ def table_of_json(path: Path, raw: bytes) -> Made | None:
     if heads := list(_browser_heads(document)):
         return Made("browser", rows_text(heads), _BROWSER)
     flat = ((records, _flat(records[-1])) for records in _lists(document))  # the first may be a header
-    ranked = [((_has_pose(last), len(records), len(last)), records) for records, last in flat]
+    ranked = [((has_pose(list(last)), len(records), len(last)), records) for records, last in flat]
     records = max(ranked, key=itemgetter(0), default=((), []))[1]
     if records and isinstance(records[0], list) and _are_names(records[0]):
         records = [dict(zip(records[0], record, strict=False)) for record in records[1:] if isinstance(record, list)]
     if len(records) < _LEAST_RECORDS:
         keys = ", ".join(list(_flat(document))[:8])
         raise TraceError(f"{path} is JSON without a list or an object of poses: its keys are {keys[:300] or 'none'}")
-    rows, defects = [_flat(record) for record in records], []
-    kinds = Counter(tuple(row) for row in rows)
-    poses = {kind: kinds[kind] >= _LEAST_RECORDS and _has_pose(dict.fromkeys(kind)) for kind in kinds}
-    likely: tuple[str, ...] = max(kinds, key=lambda kind: (poses[kind], kinds[kind]))
+    found = [_flat(record) for record in records]
+    kinds = Counter(tuple(row) for row in found)
+    likely: tuple[str, ...] = max(kinds, key=lambda k: (kinds[k] >= _LEAST_RECORDS and has_pose(list(k)), kinds[k]))
     wanted = set(likely)
-    others = [row for row in rows if 2 * len(wanted & set(row)) < len(wanted)]
-    if others:
-        rows = [row for row in rows if 2 * len(wanted & set(row)) >= len(wanted)]
-        shown = ", ".join(list(others[0])[:3]) or "nothing"
-        what = f"{counted(len(others), 'record')} of another kind than the poses (the first holds {shown})"
-        defects = [Defect("record-of-another-kind", what, "left out", len(others))]
+    rows = [row for row in found if 2 * len(wanted & set(row)) >= len(wanted)]
+    others = len(found) - len(rows)
+    what = f"{counted(others, 'record')} of another kind than the poses"
+    defects = [Defect("record-of-another-kind", what, "left out", others)] if others else []
     names = tuple(dict.fromkeys(name for row in rows[:100] for name in row))
     named = any(name.strip(".0123456789") for name in names)  # not by places in a list alone
     made = rows_text((str(row.get(name, "")) for name in names) for row in rows)
@@ -123,7 +120,7 @@ def _lists(document: Any) -> Iterator[list[Any]]:
                 yield from _lists(value)
         # Its values may be poses, each with its key, a time or a number; or a column each.
         values = [value if isinstance(value, dict) else {"pose": value} for value in document.values()]
-        if len(values) >= _LEAST_RECORDS and all(_has_pose(_flat(value)) for value in (values[0], values[-1])):
+        if len(values) >= _LEAST_RECORDS and all(has_pose(list(_flat(value))) for value in (values[0], values[-1])):
             numbers = [(re.findall(r"\d+(?:\.\d+)?", key) or [str(i)])[-1] for i, key in enumerate(document)]
             name = "time" if any("." in number for number in numbers) else "frame"
             yield [{name: number, **value} for number, value in zip(numbers, values, strict=True)]
@@ -131,17 +128,12 @@ def _lists(document: Any) -> Iterator[list[Any]]:
         count = max(lengths, key=lambda n: (lengths[n], n), default=0)
         columns = {key: value for key, value in document.items() if isinstance(value, list) and len(value) == count}
         rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-        if len(rows) >= _LEAST_RECORDS and _has_pose(_flat(rows[0])):
+        if len(rows) >= _LEAST_RECORDS and has_pose(list(_flat(rows[0]))):
             yield rows
 
 
 def _are_names(value: Any) -> bool:
     return isinstance(value, list) and len(value) > 4 and all(isinstance(name, str) for name in value)
-
-
-def _has_pose(row: dict[str, Any]) -> bool:
-    found = find_columns(list(row))
-    return found.orientation is not None or bool(found.vector or named_matrices(list(row)))
 
 
 def _flat(value: Any, name: str = "") -> dict[str, Any]:
@@ -167,7 +159,6 @@ _CELL_NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 _PLAIN = re.compile(rf"(?:{_CELL_NUMBER}|[-+]?(?:nan|inf))$", re.IGNORECASE)
 _LABELLED = re.compile(rf"([A-Za-z]+)[\"']*\s*[=:]\s*({_CELL_NUMBER})")
 _UNREAL = re.compile(rf"(?:X|P|Pitch)={_CELL_NUMBER},?\s*(?:Y|Yaw)={_CELL_NUMBER},?\s*(?:Z|R|Roll)={_CELL_NUMBER}")
-_COMMAS = re.compile(r"[-+]?[0-9]+,[0-9]+(?:[,;]\s+[-+]?[0-9]+,[0-9]+)+$")  # (0,1, 1,6): decimal commas
 # Brackets, quotes or labels about numbers, or numbers apart by another sign than the cells are.
 _SUSPECT = re.compile(
     rf"[(\[{{]\s*{_CELL_NUMBER}[\s,;]|[A-Za-z]\s*=\s*[-+.0-9]|[({{][\"'\s]*[A-Za-z]+[\"']*\s*:|\"\s*{_CELL_NUMBER}[\s,;]+{_CELL_NUMBER}[^\"]*\"|[;\t][^;\t,]*[0-9],[^;\t,]+,[^;\t]*[0-9]"
@@ -178,8 +169,6 @@ _LABELS = {3: "xyz", 7: ("x", "y", "z", "q0", "q1", "q2", "q3")}
 # FRotator::Quaternion of Unreal turns about x (roll) and y (pitch) against its axes.
 _ROTATOR = {"r": "x", "p": "y", "y": "z", "roll": "x", "pitch": "y", "yaw": "z"}
 _ROTATORS = {"p", "y", "r"}, {"pitch", "yaw", "roll"}
-_TAKEN = "three numbers taken as the position, four as the rotation"
-_NAMELESS = Defect("cells-nameless", "no header names its vectors", _TAKEN)
 
 
 def cells_reader(start: bytes) -> Callable[[Path, str], Made | None] | None:
@@ -189,8 +178,11 @@ def cells_reader(start: bytes) -> Callable[[Path, str], Made | None] | None:
     return _cells_made if sum(_SUSPECT.search(row) is not None for row in rows) * 2 > len(rows) else None
 
 
-def _cells_made(_: Path, text: str) -> Made | None:
-    """Return one column for each number of the cells; None where cells cannot be separated."""
+def _cells_made(path: Path, text: str) -> Made | None:
+    """Return one column for each number of the cells; None where cells cannot be separated.
+
+    Errors: TraceError where no header names them.
+    """
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     begin = next((i for i, line in enumerate(lines) if _is_row(line)), None)
     if begin is None:
@@ -200,26 +192,30 @@ def _cells_made(_: Path, text: str) -> Made | None:
     separator = next((mark for mark in ";\t," if mark in outside), None)
     first = [_parts(cell) for cell in _cells(lines[begin], separator)]
     bare = [cell.strip().strip('"').strip("# ") for cell in _cells(lines[begin - 1], separator)] if begin else []
-    lettered = [(name, re.search(r"[(\[{]((?:\s*[A-Za-z]\s*[,;\s])+\s*[A-Za-z])\s*[)\]}]$", name)) for name in bare]
-    header = [
-        (name[: found.start()].strip(), "".join(re.findall("[A-Za-z]", found[1])).lower()) if found else (name, "")
-        for name, found in lettered
-    ]
-    named = len(header) == len(first)
+    if max(map(len, first)) < 2:
+        return None
+    if len(bare) != len(first):
+        what = f"its rows hold {len(first)} cells, some of several numbers, and no line above names them"
+        raise TraceError(f"{path}: {what}: write one, such as time,position,rotation")
     names: list[str] = []
-    for i, parts in enumerate(first):
-        plain = {1: "time" if i == 0 else f"column {i + 1}", 3: "position", 4: "rotation"}.get(len(parts), f"{i + 1}")
-        name, labels = header[i] if named else (plain, "")
-        names += _names(name, labels, parts)
-    if max(map(len, first)) < 2 or len(set(names)) < len(names):
+    for name, parts in zip(bare, first, strict=True):
+        lettered = re.search(r"[(\[{]((?:\s*[A-Za-z]\s*[,;\s])+\s*[A-Za-z])\s*[)\]}]$", name)
+        about = name[: lettered.start()].strip() if lettered else name
+        letters = re.findall("[a-z]", lettered[1].lower()) if lettered else []
+        labels, is_turn = [label for label, _ in parts], names_rotation(about)
+        if set(labels) in _ROTATORS:
+            about, labels = about if is_turn else f"{about}.rotation", [_ROTATOR[label] for label in labels]
+        elif not all(labels):
+            numbered = [f"q{i}" for i in range(4)] if len(parts) == 4 and is_turn else map(str, range(len(parts)))
+            labels = letters if len(letters) == len(parts) else [*_LABELS.get(len(parts), numbered)]
+        names += [about] if len(parts) == 1 else [f"{about}.{label}" for label in labels]
+    if len(set(names)) < len(names):
         return None
     rows = [[text for cell in _cells(line, separator) for _, text in _parts(cell)] for line in lines[begin:]]
-    unreal = _UNREAL.search(lines[begin]) is not None
-    facts: dict[str, Any] = {} if named else {"columns_by": By.DEFAULT}
+    unreal, facts = _UNREAL.search(lines[begin]) is not None, dict[str, Any]()
     if unreal and any({label for label, _ in parts} in _ROTATORS for parts in first):
-        facts |= {"euler": Euler("xyz", True, (-1, -1, 1)), "order_by": By.FORMAT}
-    defects = () if named else (_NAMELESS,)
-    return Made("unreal" if unreal else "vectors", rows_text(rows), tuple(names), defects, facts=facts)
+        facts = {"euler": Euler("xyz", True, (-1, -1, 1)), "order_by": By.FORMAT}
+    return Made("unreal" if unreal else "vectors", rows_text(rows), tuple(names), facts=facts)
 
 
 def _is_row(line: str) -> bool:
@@ -252,25 +248,10 @@ def _parts(cell: str) -> list[tuple[str, str]]:
     if len(labelled) > 1:
         return [(label.lower(), number) for label, number in labelled]
     inner = re.sub(r"^[A-Za-z_][\w.]*\s*(?=[(\[{])|[()\[\]{}<>]", " ", bare).strip()
-    if _COMMAS.match(inner):
-        return [("", part.replace(",", ".")) for part in re.split(r"[,;]\s+", inner)]
     found = [part for part in re.split(r"[;,\s]+", inner) if part]
     if len(found) > 1 and all(_PLAIN.match(part) for part in found):
         return [("", part) for part in found]
     return [("", bare.replace(",", " "))]
-
-
-def _names(name: str, letters: str, parts: list[tuple[str, str]]) -> list[str]:
-    count, labels = len(parts), [label for label, _ in parts]
-    if count == 1:
-        return [name]
-    if set(labels) in _ROTATORS:
-        turned = name if names_rotation(name) else f"{name}.rotation"
-        return [f"{turned}.{_ROTATOR[label]}" for label in labels]
-    if not all(labels):
-        numbered = [f"q{i}" for i in range(4)] if count == 4 and names_rotation(name) else map(str, range(count))
-        labels = list(letters if len(letters) == count else _LABELS.get(count, numbered))
-    return [f"{name}.{label}" for label in labels]
 
 
 def _of_bodies(
@@ -475,20 +456,16 @@ class ColmapCamera:
     parameters: tuple[float, ...]
 
 
-def read_images(path: Path) -> list[_ColmapImage]:
-    """Return the images of images.txt or images.bin, by name. Errors: TraceError."""
-    return _images(path, content_of(path, _MODEL))
-
-
 def table_of_colmap(path: Path, raw: bytes) -> Made:
     """Return the poses of images.txt in the order of the names. Errors: TraceError."""
-    return Made("colmap", rows_text(map(repr, image.pose) for image in _images(path, raw)), COLUMNS)
+    return Made("colmap", rows_text(map(repr, image.pose) for image in read_images(path, raw)), COLUMNS)
 
 
-def _images(path: Path, raw: bytes) -> list[_ColmapImage]:
+def read_images(path: Path, raw: bytes | None = None) -> list[_ColmapImage]:
+    """Return the images of images.txt or images.bin, by name. Errors: TraceError."""
     from scipy.spatial.transform import Rotation
 
-    images = []
+    raw, images = content_of(path, _MODEL) if raw is None else raw, []
     for where, name, camera_id, pose in (_in_binary if path.suffix == ".bin" else _in_text)(path, raw):
         w, x, y, z, *moved = pose
         length = float(np.linalg.norm((w, x, y, z)))

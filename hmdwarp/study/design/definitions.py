@@ -210,9 +210,7 @@ def live_options(settings: Mapping[str, object], **more: Any) -> LiveOptions:
 def resolved(settings: Mapping[str, object]) -> dict[str, object]:
     """Return settings with those that have a default by the warp. Errors: as live_options."""
     options = live_options(settings)
-    values = {"latency": options.latency_ms, "warp": options.warp, "fill": options.fill}
-    if options.rendered_size is None:
-        values["guard"] = options.guard
+    values = {"latency": options.latency_ms, "warp": options.warp, "fill": options.fill, "guard": options.guard}
     values["predict"] = options.predict
     return {**values, **{key.replace("-", "_"): value for key, value in settings.items()}}
 

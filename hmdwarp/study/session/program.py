@@ -78,7 +78,7 @@ def run_session(
         sources = {live.scene_key: source_of(live)}
         controls = ACTING_CONTROLS if any(map(scene_reacts, design.part(part).conditions)) else CONTROLS
         where = (live, sources[live.scene_key], watchdog.watching, console.say, controls)
-        display = stack.enter_context(closing(open_display(*where, briefly=True)))
+        display = stack.enter_context(closing(open_display(*where)))
         markers = None
         if options.lsl:
             about = {"study": design.name, "title": design.title, "display": display.name}

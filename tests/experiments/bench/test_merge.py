@@ -105,16 +105,6 @@ def test_two_gpus_of_one_machine_have_their_own_times(benches, tmp_path):
     assert {row["machine"]["host"] for row in rows[len(rows) // 2 :]} == {"other (another GPU)"}
 
 
-def test_a_picture_that_one_machine_rated_is_rated(benches, tmp_path):
-    rated = {"mean": 8.25, "truth_preferred": 0.88, "display": {}}
-    data = read(benches[0])
-    own = elsewhere(benches[0], tmp_path / "own", rows=[{**row, "jod": rated} for row in data["rows"]])
-    joined = merged((own, benches[0]), tmp_path)["rows"]
-    assert len(joined) == 2 * len(data["rows"]) and all(row["jod"] == rated for row in joined)
-    first = merged((benches[0], own), tmp_path)["rows"]
-    assert [row.get("jod") for row in first if row["machine"]["host"] == "other"] == [rated] * len(data["rows"])
-
-
 def test_a_page_of_many_cases_shows_the_first(benches, tmp_path, monkeypatch):
     monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.MOST_SHOWN", 1)
     merged(benches[1:], tmp_path)

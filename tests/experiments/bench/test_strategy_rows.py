@@ -96,13 +96,6 @@ def test_all_begin_at_the_refresh_at_which_the_last_of_them_has_a_frame():
     assert common_start_s(attrs.evolve(early, strategies=("views", "proxy")), walk, 60.0) == 7 / 60
 
 
-def test_a_proxy_takes_part_in_benches_of_slower_servers(tmp_path):
-    """Whose rate is that of the first link: the proxy still warps at each refresh."""
-    asked = attrs.evolve(OPTIONS, strategies=("imposter", "proxy"), scenes=("planes",), server_rates_hz=(15.0,))
-    result = bench(attrs.evolve(asked, out=tmp_path / "bench"))
-    assert {row["strategy"]: row["server_rate_hz"] for row in result.data["rows"]} == {"imposter": 15.0, "proxy": 15.0}
-
-
 def test_a_strategy_keeps_what_it_sets_of_the_link_that_all_have():
     named = RunOptions.of({"strategy": "views"}, trace="walk")
     shared = attrs.evolve(RunOptions.of({"server_rate": 30.0}, trace="walk"), trace="walk")

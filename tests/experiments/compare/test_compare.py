@@ -130,30 +130,6 @@ def test_a_page_of_many_cases_shows_the_first_and_says_so_and_nothing_is_taken_f
     assert "This page shows the first 1 of 2 cases" in page_of(odd) and "<script>" not in page_of(odd)
 
 
-def test_zero_traffic_and_zero_error_have_ticks_of_their_own(data):
-    exact = {name: {**figures, "mean": 0.0} for name, figures in data["rows"][0]["quality"].items()}
-    rows = [{**data["rows"][0], "mbit_s": 0.0, "quality": exact}, *data["rows"][1:]]
-    ticks = [re.findall(r">([\d.]+)</text>", page_of({**data, "rows": shown})) for shown in (data["rows"], rows)]
-    # Its error on both fronts, its traffic on one: for each of three clients.
-    assert [ticks_of.count("0") for ticks_of in ticks] == [0, 3 * 3]
-    assert {float(tick) for tick in ticks[1] if float(tick) < 0.01} == {0.0}, "no decades without a point"
-
-
-def test_tables_of_the_documentation_have_the_least_error_first_and_the_best_for_each_client(data):
-    lines = compare_markdown(data["rows"]).splitlines()
-    flips = [float(line.split("|")[3]) for line in lines[2:5]]
-    assert flips == sorted(flips) and len(lines) == 2 + len(data["rows"]) and "JOD" not in lines[0]
-    rated = [{**row, "jod": {"mean": 8.25, "truth_preferred": 0.88}} for row in data["rows"]]
-    assert compare_markdown(rated).splitlines()[2].endswith("| 8.25 | 88 |")
-    head, _, *found = (line.split(" | ") for line in chosen_markdown(data, [1e-9]).splitlines())
-    assert head[1:] == ["100 ms", "200 ms |"] and len(found) == 2 * len(data["clients"])
-    for line, client in zip(found, data["clients"] * 2, strict=True):
-        can = [row for row in data["rows"] if row["latency_ms"] == 100 and not row["unfit"][client["name"]]]
-        narrow = "over a link" in line[0]
-        best = min(can, key=lambda row: row["mbit_s"] if narrow else row["quality"]["flip"]["mean"])
-        assert line[1].startswith(f"{'none; least: ' * narrow}`{best['strategy']}`")
-
-
 @pytest.mark.parametrize("client", client_names())
 def test_a_link_too_narrow_and_a_decoder_too_slow_are_reasons(client, data):
     """By any class: a strategy that takes ten times what it has of either is not for it."""

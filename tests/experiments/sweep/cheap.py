@@ -1,6 +1,6 @@
 """Cases that cost nearly nothing, and a program that runs a set of them.
 
-    python -m tests.experiments.sweep.cheap OUT COUNT [--resume] [--cluster WHERE] [--file FILE]
+    python -m tests.experiments.sweep.cheap OUT COUNT [--resume] [--cluster WHERE]
 
 The real sweep with the real Dask; only what a case computes is cheap. A case leaves a line in
 `OUT/ran` each time it is run. Case number 13 of `deadly` ends its process.
@@ -8,9 +8,7 @@ The real sweep with the real Dask; only what a case computes is cheap. A case le
 
 from __future__ import annotations
 
-import itertools
 import os
-import resource
 import signal
 import sys
 import time
@@ -40,7 +38,7 @@ class Cheap:
     log: Path
 
     @contextmanager
-    def opened(self) -> Iterator:
+    def __call__(self) -> Iterator:
         yield self._run
 
     def _run(self, case: SweepCase, step) -> Result:
@@ -50,7 +48,7 @@ class Cheap:
             os.kill(os.getpid(), signal.SIGKILL)
         if case.what.kind == "wrong" and case.what.number == 13:
             raise InputError("13 is no number for this")
-        time.sleep(0 if case.what.kind == "quick" else SECONDS)
+        time.sleep(SECONDS)
         text = Path(case.what.file).read_text(encoding="utf-8") if case.what.file else ""
         return Result({"square": case.what.number**2, "text": text, "pid": os.getpid()})
 
@@ -67,17 +65,12 @@ def sweep(out: Path, count: int, kind: str = "plain", file: str = "", say=lambda
 
 def main() -> None:
     out, count, *rest = sys.argv[1:]
-    said = dict(itertools.pairwise(rest))
-    cluster, file = said.get("--cluster"), said.get("--file", "")
+    cluster = rest[rest.index("--cluster") + 1] if "--cluster" in rest else None
     try:
-        how = {"resume": "--resume" in rest, "cluster": cluster}
-        sweep(Path(out), int(count), "quick" if file else "plain", file, **how).raise_failures()
+        sweep(Path(out), int(count), resume="--resume" in rest, cluster=cluster).raise_failures()
     except HmdwarpError as error:
         print(error, file=sys.stderr)
         sys.exit(error.exit_status)
-    if file:  # what it cost: processor seconds of driver and scheduler, and the most memory in kB
-        usage = resource.getrusage(resource.RUSAGE_SELF)
-        print(usage.ru_utime + usage.ru_stime, usage.ru_maxrss)
 
 
 if __name__ == "__main__":

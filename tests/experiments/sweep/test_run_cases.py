@@ -96,12 +96,6 @@ def test_a_scene_is_the_files_that_it_names_and_not_what_lies_beside(tmp_path, s
     assert identity_of("kind", room) != before
 
 
-def test_a_kind_of_case_says_what_else_of_the_program_it_depends_on():
-    kinds = [(), ("study/",), ("experiments/thesis/run_figures.py",), ("nowhere/",)]
-    plain, *others, nowhere = (identity_of("kind", 1, parts) for parts in kinds)
-    assert len({plain, *others}) == 3 and nowhere == plain
-
-
 def test_a_folder_is_one_run_s_and_what_it_keeps_stays_until_another_has_succeeded(tmp_path):
     with held(tmp_path), pytest.raises(MachineError, match=rf"since .*, process {os.getpid()} on"), held(tmp_path):
         raise AssertionError("two hold it")

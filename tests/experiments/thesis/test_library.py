@@ -67,7 +67,7 @@ def test_what_shows_no_effect_at_all_holds_no_claim_of_one():
         numbers = {cell.computed.split()[0] for cell in each.cells}
         if each.rule.low >= 0:
             assert not each.rule.holds(
-                1 if numbers & {"ratio", "least_growth"} and "from" not in each.rule_words() else 0
+                1 if numbers & {"ratio", "least_growth"} and "from" not in each.rule.words("", 1) else 0
             )
 
 

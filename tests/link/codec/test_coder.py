@@ -14,19 +14,34 @@ import pytest
 
 from hmdwarp.colour import linear_from_srgb, picture_from_linear, srgb_from_linear
 from hmdwarp.errors import InputError, MachineError, UnknownNameError
-from hmdwarp.link.codec import Codec, Coding, Decoder, Encoder, Undecodable, codecs
+from hmdwarp.link.codec import (
+    Codec,
+    Coding,
+    Decoder,
+    DepthEncoder,
+    DepthVideoDecoder,
+    DepthVideoEncoder,
+    Encoder,
+    Undecodable,
+    codecs,
+)
 
 pytest.importorskip("av")
 VIDEO = [codec.name for codec in codecs if not codec.is_none]
+COARSE = 2.0**-8
+
+
+def usable(name: str) -> Codec:
+    try:
+        codecs.get(name).check()
+    except MachineError as error:
+        pytest.skip(str(error))
+    return codecs.get(name)
 
 
 @pytest.fixture(params=VIDEO)
 def codec(request):
-    try:
-        codecs.get(request.param).check()
-        return codecs.get(request.param)
-    except MachineError as error:
-        pytest.skip(str(error))
+    return usable(request.param)
 
 
 @functools.cache
@@ -63,6 +78,11 @@ def opaque(colour: np.ndarray) -> np.ndarray:
     return np.dstack([linear_from_srgb(colour), np.ones(colour.shape[:2])]).astype(np.float16)
 
 
+def there_and_back(codec, picture: np.ndarray, **how) -> np.ndarray:
+    size = picture.shape[1::-1]
+    return Decoder(codec.name, size).decode(Encoder(codec.name, size, 60, **how).encode(picture))
+
+
 @pytest.mark.parametrize(("crf", "bound", "lean"), [(1, 3.2, 0.75), (None, 5.2, 1.6)])
 def test_flat_colours_come_back(codec, crf, bound, lean):
     """The bound is that of limited range and of the codec. 219 steps of luma and 224 of chroma:
@@ -71,9 +91,7 @@ def test_flat_colours_come_back(codec, crf, bound, lean):
     flat block is 5 to 6 and less than half of it is lost. A mistaken matrix (BT.601) or range is
     off by 16 and more."""
     picture, colours = patches()
-    height, width = picture.shape[:2]
-    packet = Encoder(codec.name, (width, height), 60, crf=crf).encode(opaque(picture))
-    got = picture_from_linear(Decoder(codec.name, (width, height)).decode(packet))
+    got = picture_from_linear(there_and_back(codec, opaque(picture), crf=crf))
     middles = got[16::32, 16::32].reshape(-1, 3).astype(int)
     assert np.abs(middles - colours).max() <= bound
     # Nor do they lean to the dark or the bright: each of the parts above is spread evenly, which
@@ -82,29 +100,17 @@ def test_flat_colours_come_back(codec, crf, bound, lean):
     assert np.abs((middles - colours)[8:].mean(axis=0)).max() <= lean
 
 
-@pytest.mark.parametrize("nothing", [(0, 0, 0), (1, 1, 1), (0.25, 3, 0.5)])
-def test_where_nothing_is_comes_back_exactly_whatever_stands_for_nothing(codec, nothing):
-    """As where all light passes: coverage 0, and light 1, which a codec would take some of."""
-    picture = opaque(patches()[0])
-    height, width = picture.shape[:2]
-    picture[20:90, 30:] = (*nothing, 0)
-    got = Decoder(codec.name, (width, height)).decode(Encoder(codec.name, (width, height), 60).encode(picture))
-    assert (got[20:90, 30:] == picture[20:90, 30:]).all()
-    assert (got[..., 3] == picture[..., 3]).all()
-
-
 def test_partial_coverage_comes_back_within_half_a_step_and_light_without_any_is_kept(codec):
     """254 steps of coverage: half of one is 1/508, and half floats round to 2^-12 below 1. What is
     premultiplied stays so: light is coded as it is."""
     picture = opaque(patches()[0])
-    height, width = picture.shape[:2]
-    share = np.linspace(0, 1, width, dtype=np.float32).astype(np.float16)
+    share = np.linspace(0, 1, picture.shape[1], dtype=np.float32).astype(np.float16)
     picture[..., :3] *= share[:, None]
     picture[..., 3] = share
     picture[:32] = 0
     picture[32:64] = (0.5, 0.5, 0.5, 0)  # a glow
     picture[64:96, :32] = (0, 0, 0, 0.7)  # a shadow
-    got = Decoder(codec.name, (width, height)).decode(Encoder(codec.name, (width, height), 60, crf=1).encode(picture))
+    got = there_and_back(codec, picture, crf=1)
     assert np.abs(got[..., 3].astype(float) - picture[..., 3]).max() <= 1 / 508 + 2**-12
     whole = (picture[..., 3] == 0) | (picture[..., 3] == 1)
     assert (got[whole][:, 3] == picture[whole][:, 3]).all()
@@ -125,18 +131,13 @@ def test_light_beyond_1_is_kept_where_it_is_asked_for_and_clipped_elsewhere(code
     levels = np.concatenate([np.linspace(0, 1, 24) ** 2.2, np.geomspace(1, most, 24)]).astype(np.float16)
     flat = levels.reshape(6, 8).repeat(32, 0).repeat(32, 1)
     picture = np.dstack([flat, flat, flat, np.ones_like(flat)])
-    height, width = flat.shape
     kept, clipped = (
-        Decoder(codec.name, (width, height)).decode(
-            Encoder(codec.name, (width, height), 60, crf=1, keeps_beyond_1=keeps).encode(picture)
-        )[16::32, 16::32, 1].ravel().astype(float)
+        there_and_back(codec, picture, crf=1, keeps_beyond_1=keeps)[16::32, 16::32, 1].ravel().astype(float)
         for keeps in (True, False)
-    )  # fmt: skip
-    stops = next(stops for stops in (1, 2, 4, 8, 16) if most <= 2**stops)
-    assert (
-        np.abs(srgb_from_linear(np.minimum(kept[:24], 1)) - srgb_from_linear(levels[:24].astype(float))).max()
-        <= 3.2 / 191
     )
+    stops = next(stops for stops in (1, 2, 4, 8, 16) if most <= 2**stops)
+    dim = srgb_from_linear(np.minimum(kept[:24], 1)) - srgb_from_linear(levels[:24].astype(float))
+    assert np.abs(dim).max() <= 3.2 / 191
     assert np.abs(np.log2(np.maximum(kept[24:], 0.9) / levels[24:])).max() <= 3.2 / 64 * stops + 2**-10
     assert clipped.max() <= 1 and clipped[24:].min() > 0.95
 
@@ -164,24 +165,16 @@ def test_no_thread_takes_the_machine_for_itself(codec):
     assert policies <= {os.SCHED_OTHER, os.SCHED_BATCH}
 
 
-def _shift(before: np.ndarray, after: np.ndarray, axis: int, period: int = 24) -> float:
-    """By how many pixels a wave of that period, in blue, has moved along an axis."""
-    blue = (srgb_from_linear(picture[..., 2].astype(np.float64)) for picture in (before, after))
-    rows = [values.mean(axis=1 - axis)[24:-24] for values in blue]
-    length = len(rows[0]) // period * period
-    first, second = (np.fft.rfft(row[:length])[length // period] for row in rows)
-    return float(-np.angle(second / first) / (2 * np.pi) * period)
-
-
 @pytest.mark.parametrize("axis", [0, 1])
 def test_chroma_stays_where_it_is(codec, axis):
     """It lay half a pixel left: coded from between two pixels, decoded as from the left one."""
     wave = 60 * np.sin(2 * np.pi * np.arange(192) / 24 + 0.7)
     line = 120 + wave[:, None] * (0, -0.1873, 1.8556)  # one luma, waves of Cb
     picture = opaque(np.broadcast_to(line[None] if axis else line[:, None], (192, 192, 3)).round().astype(np.uint8))
-    packet = Encoder(codec.name, (192, 192), 90, crf=2).encode(picture)
+    blue = (srgb_from_linear(one[..., 2].astype(float)) for one in (picture, there_and_back(codec, picture, crf=2)))
+    before, after = (np.fft.rfft(values.mean(axis=1 - axis)[24:-24])[6] for values in blue)  # of six waves
     # Bytes and the codec blur a wave of 60 steps by about one: a sixtieth of a radian, 0.06 pixels.
-    assert abs(_shift(picture, Decoder(codec.name, (192, 192)).decode(packet), axis)) < 0.06
+    assert abs(np.angle(after / before) / (2 * np.pi) * 24) < 0.06
 
 
 @pytest.mark.parametrize("size", [(160, 120), (161, 121), (17, 16), (1, 1), (3, 200), (64, 63)])
@@ -200,29 +193,55 @@ HOLES = {"disc": np.hypot(X - 47, Y - 50) < 20, "rows": (Y < 31) | ((Y >= 64) & 
 
 
 @pytest.mark.parametrize("holes", HOLES)
-def test_holes_do_not_darken_what_is_beside_them(codec, holes):
-    """A bright wall keeps its brightness up to its holes, within what the codec does elsewhere."""
+@pytest.mark.parametrize("nothing", [(0, 0, 0), (1, 1, 1), (0.25, 3, 0.5)])
+def test_holes_come_back_exactly_and_do_not_darken_what_is_beside_them(codec, holes, nothing):
+    """Whatever stands for nothing: where all light passes it is 1, and a codec would take some. A
+    bright wall keeps its brightness up to its holes, within what the codec does elsewhere."""
     picture, hole = opaque(np.full((96, 96, 3), 200, np.uint8)), HOLES[holes]
-    picture[hole] = 0
-    got = picture_from_linear(Decoder(codec.name, (96, 96)).decode(Encoder(codec.name, (96, 96), 60).encode(picture)))
-    assert np.abs(got[~hole].astype(int) - 200).max(initial=0) <= 3
-    assert (got[hole] == 0).all()
+    picture[hole] = (*nothing, 0)
+    got = there_and_back(codec, picture)
+    assert (got[hole] == picture[hole]).all() and (got[..., 3] == picture[..., 3]).all()
+    assert np.abs(picture_from_linear(got)[~hole].astype(int) - 200).max(initial=0) <= 3
 
 
-def test_frames_after_a_lost_one_are_undecodable_until_a_key_frame(codec):
+def moving_depths() -> list[np.ndarray]:
+    """Slanted planes behind one another with sky and a hole; they move by a pixel a picture."""
+    y, x = np.mgrid[:120, :160]
+    out = []
+    for k in range(12):
+        picture = 0.4 + 0.001 * (x + k) + 0.0007 * y
+        picture[(x + k > 53) & (y > 30)] = 1.3
+        picture[(x + k > 80) & (y < 60)] = 0
+        picture[(x < 3) & (y > 5)] = -1
+        out.append(picture.astype(np.float32))
+    return out
+
+
+@pytest.mark.parametrize("name", [*VIDEO, "depth"])
+def test_frames_after_a_lost_one_are_undecodable_until_a_key_frame(name):
     """And from there on it is, bit for bit, what a client sees that lost nothing."""
-    encoder, lost, key = Encoder(codec.name, (160, 120), 60), 4, 8
-    packets = [encoder.encode(picture, key=k == key) for k, picture in enumerate(frames())]
+    size, lost, key = (160, 120), 4, 8
+    if name == "depth":
+        encoder, pictures = DepthVideoEncoder(size, 60, COARSE), moving_depths()
+        whole, lossy = DepthVideoDecoder(size), DepthVideoDecoder(size)
+    else:
+        usable(name)
+        encoder, pictures, whole, lossy = Encoder(name, size, 60), frames(), Decoder(name, size), Decoder(name, size)
+    packets = [encoder.encode(picture, key=k == key) for k, picture in enumerate(pictures)]
     assert [packet.number for packet in packets] == list(range(12))
     assert [packet.number for packet in packets if packet.key] == [0, key]
-    whole, lossy = Decoder(codec.name, (160, 120)), Decoder(codec.name, (160, 120))
-    for packet in packets:
+    for packet, picture in zip(packets, pictures, strict=True):
         expected = whole.decode(packet)
+        assert name != "depth" or np.abs(expected - picture).mean() <= COARSE / 2
         if lost < packet.number < key:
             with pytest.raises(Undecodable, match="builds on one that never came"):
                 lossy.decode(packet)
         elif packet.number != lost:
             assert (lossy.decode(packet) == expected).all()
+    if name == "depth":
+        alone = DepthEncoder(size, COARSE)
+        deltas = [(packet, picture) for packet, picture in zip(packets, pictures, strict=True) if not packet.key]
+        assert sum(len(p.data) for p, _ in deltas) < 0.7 * sum(len(alone.encode(picture)) for _, picture in deltas)
 
 
 def test_damage_is_undecodable_until_the_next_key_frame_and_nothing_is_printed(codec, capfd):

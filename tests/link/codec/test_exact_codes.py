@@ -216,19 +216,6 @@ def shown(packets, size) -> list[np.ndarray]:
     return [decoder.decode(packet) for packet in packets]
 
 
-def planes(width: int, height: int, count: int) -> list[np.ndarray]:
-    """Slanted planes behind one another with sky and a hole; they move by a pixel a picture."""
-    y, x = np.mgrid[:height, :width]
-    out = []
-    for k in range(count):
-        picture = 0.4 + 0.001 * (x + k) + 0.0007 * y
-        picture[(x + k > width / 3) & (y > height / 4)] = 1.3
-        picture[(x + k > width / 2) & (y < height / 2)] = 0
-        picture[(x < 3) & (y > 5)] = -1
-        out.append(picture.astype(np.float32))
-    return out
-
-
 @settings(max_examples=25)
 @given(NEAR)
 def test_a_video_keeps_sky_and_holes_of_any_picture(inverse):
@@ -258,24 +245,3 @@ def test_a_video_follows_what_comes_near_and_forgets_it_with_a_key_frame():
     far = np.full((48, 64), 0.3, np.float32) + np.linspace(0, 0.1, 64, dtype=np.float32)
     after = shown(video_of([np.full_like(far, 20.0), far], keys=(0, 1)), (64, 48))[1]
     assert np.array_equal(after, *shown(video_of([far]), (64, 48)))
-
-
-def test_a_video_of_moving_planes_is_near_and_light():
-    pictures = planes(160, 120, 8)
-    packets = video_of(pictures)
-    assert [packet.key for packet in packets] == [True] + [False] * 7
-    for found, picture in zip(shown(packets, (160, 120)), pictures, strict=True):
-        assert np.abs(found - picture).mean() <= COARSE / 2
-    alone = DepthEncoder((160, 120), COARSE)
-    assert sum(len(p.data) for p in packets[1:]) < 0.7 * sum(len(alone.encode(p)) for p in pictures[1:])
-
-
-def test_depths_after_a_lost_one_are_undecodable_until_a_key_frame():
-    packets, lossy = video_of(planes(64, 48, 6), keys=(4,)), DepthVideoDecoder((64, 48))
-    whole = shown(packets, (64, 48))
-    assert (lossy.decode(packets[0]) == whole[0]).all()
-    for packet in packets[2:4]:
-        with pytest.raises(Undecodable):
-            lossy.decode(packet)
-    for packet, picture in zip(packets[4:], whole[4:], strict=True):
-        assert (lossy.decode(packet) == picture).all()

@@ -7,14 +7,25 @@ from contextlib import ExitStack
 import pytest
 from serving import Serving
 
-from hmdwarp.sources.feed import listener, sockets
+from hmdwarp.sources.feed import listener as listening
+from hmdwarp.sources.feed import sockets
 
 
 @pytest.fixture(autouse=True)
 def nobody_is_silent(monkeypatch):
     """A machine that stands still makes clients of this process silent: tests of silence set it."""
-    for module in (listener, sockets):
+    for module in (listening, sockets):
         monkeypatch.setattr(module, "SILENT_NS", 10**15)
+
+
+@pytest.fixture
+def listener():
+    """A server's end; told: what it says."""
+    told: list[str] = []
+    made = listening.Listener("127.0.0.1:*", say=told.append)
+    made.told = told
+    yield made
+    made.close()
 
 
 @pytest.fixture(scope="session")

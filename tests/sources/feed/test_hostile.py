@@ -32,21 +32,11 @@ from hmdwarp.sources.feed.sockets import (
     Wire,
 )
 
-from .exchange import WHENEVER_MS, answered, exchanged, port_of
+from .exchange import ASK, FRAME, WHENEVER_MS, answered, exchanged, port_of
 from .foreign import greeting, part, ready
-from .messages import ASK, FRAME
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 MIB = 1 << 20
-
-
-@pytest.fixture
-def listener():
-    told: list[str] = []
-    made = Listener("127.0.0.1:*", say=told.append)
-    made.told = told
-    yield made
-    made.close()
 
 
 def raw(listener) -> socket.socket:

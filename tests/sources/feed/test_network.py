@@ -1,36 +1,35 @@
-"""What a network does to the feed: each of it is told, taken up again, and bounded."""
+"""What a network does to the feed: each of it is told, taken up again, and bounded; and without a
+key nobody can read it."""
 
 import itertools
 import os
 import signal
+import stat
 import sys
 import time
+from contextlib import ExitStack, closing
 
 import attrs
 import numpy as np
 import pytest
 from serving import Serving
 
-from hmdwarp.geometry import Pose
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.headsets import load_headset
-from hmdwarp.pipeline.remote import Remote
+from hmdwarp.pipeline.remote import Remote, is_another_view
 from hmdwarp.poses import Origin, PoseSample
+from hmdwarp.run import LiveOptions, live
 from hmdwarp.sources.feed import FeedOptions, sockets
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.listener import Listener
+from hmdwarp.sources.feed.message import encode
+from hmdwarp.sources.feed.options import key_pair, public_key
 
-from .exchange import answered, exchanged, feeder, port_of
-from .messages import ASK, FRAME
+from .exchange import ASK, FRAME, answered, exchanged, feeder, port_of
 from .relay import Relay
 
 pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
-
-
-@pytest.fixture
-def listener():
-    made = Listener("127.0.0.1:*")
-    yield made
-    made.close()
 
 
 @pytest.fixture
@@ -146,62 +145,49 @@ def steps(remote: Remote, size: tuple[int, int], lives=lambda: True):
         time.sleep(0.005)
 
 
+WHERE = ["up", "down", "connecting", "within a frame", "for good", "for good up", "a stopped server"]
+
+
 @pytest.mark.parametrize("seconds", SECONDS)
-@pytest.mark.parametrize("where", ["up", "down", "connecting", "within a frame", "for good", "for good up"])
+@pytest.mark.parametrize("where", WHERE)
 def test_a_link_that_falls_silent_is_told_and_taken_up_again(monkeypatch, where, seconds):
     """One that is silent for good stays so: the client makes a new connection."""
     # The server's limit, which is all that ends a connection of which only the way up is lost.
     monkeypatch.setattr(sockets, "SILENT_NS", 3_000_000_000)
     lines: list[str] = []
-    with feeder() as address, Relay(port_of(address)) as relay:
-        remote = Remote(FeedOptions(connect=relay.address), holds=False, say=lines.append)
-        came = steps(remote, (96, 80))
+    with ExitStack() as stack:
+        stopped = stack.enter_context(Serving()) if where == "a stopped server" else None
+        address = stopped.address if stopped else stack.enter_context(feeder())
+        relay = stack.enter_context(Relay(port_of(address)))
+        remote = stack.enter_context(closing(Remote(FeedOptions(connect=relay.address), holds=False, say=lines.append)))
+        came = steps(remote, (96, 80), lambda: stopped is None or stopped.process.poll() is None)
         while not next(came):
             pass
-        begun, connections = time.monotonic(), relay.accepted
+        begun, connections, lasts = time.monotonic(), relay.accepted, seconds
         lines.clear()
-        silenced(relay, where)
-        while not any("not a byte" in line or "the last one stays" in line for line in lines):
+        if stopped:
+            stopped.process.send_signal(signal.SIGSTOP)
+        else:
+            silenced(relay, where)
+            lasts = seconds if relay.silent else 0
+        told = ("not a byte", "the last one stays") if stopped else ("the last one stays",)
+        while not all(text in "".join(lines) for text in told):
             next(came)
         told_s = time.monotonic() - begun
-        while relay.silent and time.monotonic() - begun < seconds:
+        while time.monotonic() - begun < lasts:
             next(came)
         relay.silent, begun = set(), begun if "for good" in where else time.monotonic()
+        if stopped:
+            stopped.process.send_signal(signal.SIGCONT)
         while not next(came) or remote.notice:
             pass
-        timed(f"silent, {where}", 0 if "for good" in where else seconds, told_s, time.monotonic() - begun)
-        if where not in ("up", "down"):
+        timed(where, lasts, told_s, time.monotonic() - begun)
+        if where not in ("up", "down", "a stopped server"):
             assert relay.accepted > connections
-        assert remote.summary()["malformed"] == 0
+        assert remote.summary()["malformed"] == 0 and any("frames come again" in line for line in lines)
         # However long it takes, it is said once.
         assert sum("not a byte" in line for line in lines) <= 1
-        remote.close()
-
-
-@pytest.mark.parametrize("seconds", SECONDS)
-def test_a_server_that_is_stopped_is_told_and_taken_up_again(seconds):
-    lines: list[str] = []
-    with Serving() as one:
-        remote = Remote(FeedOptions(connect=one.address), holds=False, say=lines.append)
-        came = steps(remote, (64, 48), lambda: one.process.poll() is None)
-        while not next(came):
-            pass
-        one.process.send_signal(signal.SIGSTOP)
-        begun = time.monotonic()
-        # Both are told at about the same time: that no frame comes, and why.
-        while not all(text in "".join(lines) for text in ("not a byte", "the last one stays")):
-            next(came)
-        told_s = time.monotonic() - begun
-        while time.monotonic() - begun < seconds:
-            next(came)
-        one.process.send_signal(signal.SIGCONT)
-        begun = time.monotonic()
-        while not next(came) or remote.notice:
-            pass
-        timed("a stopped server", seconds, told_s, time.monotonic() - begun)
-        assert any("frames come again" in line for line in lines)
-        remote.close()
-        assert one.process.poll() is None
+        assert stopped is None or stopped.process.poll() is None
 
 
 def test_a_long_frame_over_a_narrow_link_is_no_silence(relay, listener, caller):
@@ -228,3 +214,92 @@ def test_a_client_that_asks_for_nothing_for_a_while_misses_nothing(relay, listen
     remote.arrived(0)
     assert not remote.notice and not lines and remote.summary()["lost"] == 0
     remote.close()
+
+
+@pytest.fixture
+def pair(tmp_path):
+    made, is_new = key_pair(tmp_path / "mine")
+    assert is_new
+    return made
+
+
+def test_a_pair_is_made_once_and_its_secret_is_this_users_alone(pair, tmp_path):
+    again, is_new = key_pair(tmp_path / "mine")
+    assert again == pair and not is_new
+    assert public_key(tmp_path / "mine.key") == pair.public
+    assert stat.S_IMODE((tmp_path / "mine.key_secret").stat().st_mode) == 0o600
+    assert pair.secret not in (tmp_path / "mine.key").read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.key", "mine.key_secret"]
+
+
+@pytest.mark.parametrize("text", ["", 'curve\n    public-key = "short"\n', "\x00\xff"])
+def test_files_without_keys_are_named(tmp_path, text):
+    bad = tmp_path / "bad.key"
+    bad.write_text(text)
+    (tmp_path / "bad.key_secret").write_text(text)
+    for read in (lambda: public_key(bad), lambda: key_pair(tmp_path / "bad"), lambda: public_key(tmp_path)):
+        with pytest.raises(InputError, match="hmdwarp serve --key-pair"):
+            read()
+
+
+@pytest.mark.parametrize("encrypted", [True, False])
+def test_network_traffic_is_plain_only_without_keys(pair, encrypted):
+    used = pair if encrypted else None
+    server_key = used.public if used else b""
+    with closing(Listener("127.0.0.1:*", pair=used)) as listener, Relay(port_of(listener.address)) as relay:
+        relay.seen = bytearray()
+        with closing(Caller(relay.address, server_key=server_key)) as caller:
+            # A request and a frame, both ways.
+            arrival, _ = exchanged(caller, listener)
+    assert arrival.frame.colours[0].tobytes() == FRAME.colours[0].tobytes()
+    pictures, magic = FRAME.colours[0].tobytes(), encode(ASK)[:4]
+    plain = pictures in relay.seen and magic in relay.seen
+    assert relay.seen and plain != encrypted
+    if encrypted:
+        assert pictures not in relay.seen and magic not in relay.seen and pair.public not in relay.seen
+
+
+@pytest.mark.parametrize("key", ["another server's", "none"])
+def test_a_client_without_the_key_gets_no_frame_but_a_reason(pair, tmp_path, key):
+    other = key_pair(tmp_path / "other")[0].public if key != "none" else b""
+    lines: list[str] = []
+    listener = Listener("127.0.0.1:*", pair=pair)
+    with closing(listener), closing(Caller(listener.address, server_key=other)) as caller:
+        while not lines:
+            caller.ask(attrs.evolve(ASK, token=bytes(32)))
+            assert listener.next(10) is None
+            lines = caller.lines()
+            time.sleep(0.01)
+        assert caller.take() == []
+    assert "no handshake" in lines[0] and "--server-key" in lines[0]
+
+
+def test_serve_and_live_speak_encrypted(tmp_path):
+    name = tmp_path / "mine"
+    with Serving("--listen", "0.0.0.0:*", "--key-pair", str(name)) as one:
+        there = "127.0.0.1:" + one.address.rpartition(":")[2]
+        said = {"source": "offscreen", "trace": "look-around", "connect": there, "panel": False, "pictures": 3}
+        done = live(LiveOptions.of({**said, "server_key": tmp_path / "mine.key", "size": "96x80"}))
+        assert done.summary["live"]["refreshes"] == 3
+        with pytest.raises(InputError, match="no handshake"):
+            live(LiveOptions.of({**said, "size": "96x80"}))
+
+
+def test_an_address_beyond_this_machine_needs_keys_a_secret_or_consent(pair):
+    for allowed in ({"pair": pair}, {"secret": "secret"}, {"is_open": True}):
+        Listener("0.0.0.0:*", **allowed).close()
+    with pytest.raises(InputError, match="--key-pair NAME or --token-file FILE, or --open"):
+        Listener("0.0.0.0:*")
+
+
+@pytest.mark.parametrize(
+    ("moved_m", "turned_deg", "grown", "is_other"),
+    [(0, 0, 0, False), (1e-7, 1e-5, 1e-8, False), (0, 0, 0.1, False), (0, 0, -1e-5, True), (1e-4, 0, 0, True)]
+    + [(0, 0.01, 0, True)],
+)
+def test_another_view_is_told_from_rounding_and_from_one_that_shows_more(moved_m, turned_deg, grown, is_other):
+    asked = View(Pose((1, 2, 3)), Fov(-0.6, 0.7, -0.5, 0.8))
+    for wider in np.eye(4) * (-grown, grown, -grown, grown):
+        turn = np.radians(turned_deg) / 2
+        pose = asked.pose @ Pose((0, moved_m, 0), (0, np.sin(turn), 0, np.cos(turn)))
+        assert is_another_view(asked, View(pose, Fov.from_tangents(asked.fov.tangents + wider))) == is_other

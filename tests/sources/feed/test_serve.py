@@ -1,5 +1,9 @@
-"""A server and its client in two processes: what crosses the feed is what would be drawn here."""
+"""A server and its client in two processes, by replay, live and in Python: what crosses the feed is
+what would be drawn here."""
 
+import signal
+import subprocess
+import sys
 import tracemalloc
 from contextlib import closing
 
@@ -8,17 +12,20 @@ import numpy as np
 import pytest
 import replays
 from replays import rows_of
+from run.offscreen import OffscreenDisplay, run_on
 from serving import Serving
 
+from hmdwarp import feed
 from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.display import Closed, Command
 from hmdwarp.errors import InputError
-from hmdwarp.geometry import Pose
+from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.headsets import load_headset
 from hmdwarp.link.codec import Coding
 from hmdwarp.pipeline.feed_coding import arrays_of
 from hmdwarp.pipeline.remote import Remote, RemoteRenderer
-from hmdwarp.run import replay
+from hmdwarp.run import LiveOptions, live, replay
 from hmdwarp.run.run_summary import ReplayLog
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.feed import FeedOptions
@@ -26,8 +33,7 @@ from hmdwarp.sources.feed.caller import Viewer
 from hmdwarp.sources.feed.message import DEPTH_CODES, NONE, RAW, RGBA8, Wish
 from hmdwarp.sources.server import Renderer, Server
 
-from .exchange import feeder
-from .messages import ASK
+from .exchange import ASK, feeder
 from .test_strategies import patient
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
@@ -164,3 +170,201 @@ def test_a_server_without_what_is_asked_for_is_refused_in_a_line(tmp_path, sends
         replay(small(tmp_path / "out", feed=FeedOptions(connect=address, **raw), scene="server", **asked))
     with pytest.raises(InputError, match="--raw half: it is for --connect"):
         FeedOptions(raw="half")
+
+
+class Closable(OffscreenDisplay):
+    """A display whose user closes it in the middle of a run."""
+
+    def ask_to_close(self) -> None:
+        if not any(isinstance(event, Closed) for event in self._events.values()):
+            self._events[self._number + 3] = Closed("the window was closed")
+
+
+def live_of(address: str, **more) -> LiveOptions:
+    said = {
+        "source": "offscreen",
+        "trace": "look-around",
+        "connect": address,
+        "headset": "rift-dk1",
+        "predict": "none",
+        "fill": "none",
+    }
+    return LiveOptions.of({**said, "panel": False, **more})
+
+
+def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(serving_of, monkeypatch, tmp_path):
+    """What is the server's is not changed, and what is the client's is; its scene is here too."""
+    changes = {
+        3: [Command("latency")],
+        4: [Command("scene"), Command("push")],
+        5: [Command("guard", 1.75)],
+        6: [Command("warp", "none")],
+    }
+    display = OffscreenDisplay(asked=changes, keeps=True)
+    asked = live_of(serving_of("planes"), pictures=12, latency=900.0, out=tmp_path / "out")
+    summary = run_on(monkeypatch, display, asked).summary
+    assert summary["scene"] == "server"  # whose address stands in link.feed
+    assert summary["latency_ms"] not in (0, 900) and "input" not in summary
+    feed, live = summary["link"]["feed"], summary["live"]
+    assert feed["malformed"] == 0 and not any("other views" in line for line in display.said)
+    assert feed["lost"] == sum("no frame for" in line for line in display.said)  # on a machine that stood still
+    assert live["refreshes"] == 12 and live["age_ms"]["median"] > 0
+    assert [name for change in live["changes"] for name in change["what"]] == ["guard", "warp"]
+    # The scene was drawn: nothing else here has any light.
+    assert max(picture.std() for picture in display.pictures[-3:]) > 10
+    for told in ("the server's scene", "latency and scene are the server's", "does not react to what people do"):
+        assert sum(told in line for line in display.said) == 1, told
+    display = OffscreenDisplay(keeps=True)
+    named = live_of(serving_of("planes"), pictures=6, scene="planes", warp="model")
+    summary = run_on(monkeypatch, display, named).summary
+    assert any("scene 'planes' on both ends" in line for line in display.said)
+    assert summary["scene"] == "planes" and summary["link"]["feed"]["malformed"] == 0
+    assert display.pictures[-1].std() > 10
+
+
+def test_a_warp_whose_layer_the_server_lacks_is_reported_and_can_be_left(monkeypatch):
+    changes = {4: [Command("warp", "layered")], 8: [Command("warp", "forward")]}
+    display = OffscreenDisplay(asked=changes, keeps=True)
+    with feeder() as address:
+        summary = run_on(monkeypatch, display, live_of(address, pictures=16, effects="none")).summary
+    assert sum("sends no layer 'peeled'" in line for line in display.said) == 1
+    assert summary["link"]["feed"]["malformed"] > 0 and display.pictures[-1].std() > 10
+
+
+def test_the_mismatch_of_a_camera_that_stands_elsewhere_is_reported_once(monkeypatch):
+    """0.3 m to the right, turned by 30 degrees, with a field of view of its own."""
+    there = Pose((0.3, 0, 0), (0, np.sin(np.pi / 12), 0, np.cos(np.pi / 12)))
+    own = Fov(*np.arctan([-0.5, 0.5, -0.5, 0.5]))
+    asked: list[Fov] = []
+
+    def camera(views: tuple[View, ...]) -> tuple[View, ...]:
+        asked.extend(view.fov for view in views)
+        return tuple(attrs.evolve(view, pose=view.pose @ there, fov=own) for view in views)
+
+    display = OffscreenDisplay()
+    with feeder(views_of=camera) as address:
+        summary = run_on(monkeypatch, display, live_of(address, pictures=6, guard="1")).summary
+    (told,) = [line for line in display.said if "other views than it is asked for" in line]
+    # Its unit square lies within each of the asked views.
+    areas = [(right - left) * (up - down) for left, right, down, up in (fov.tangents for fov in asked)]
+    assert min(abs(fov.tangents).min() for fov in asked) > 0.5
+    # To single bits of a double and of what the message normalises.
+    off = {"turned_deg": 30.0, "moved_m": 0.3, "field_share": 1 / max(areas)}
+    assert summary["link"]["feed"]["views_off"] == pytest.approx(off, rel=1e-12)
+    assert f"up to 30.00 degrees and 0.300 m off, with {1 / max(areas):.0%} of the field of view" in told
+
+
+def test_a_lost_server_is_announced_over_the_picture_and_taken_up_again(monkeypatch, tmp_path):
+    servers = [Serving()]
+    port = servers[0].address.rpartition(":")[2]
+    display = Closable()
+    before: list[int] = []
+
+    def look(number: int) -> None:
+        if number == 5:
+            servers[0].process.kill()
+        if len(servers) == 1 and any("no frame for" in line for line in display.said):
+            before.append(number)
+            servers.append(Serving("--listen", f"127.0.0.1:{port}"))
+        # Until it is back, and a little longer; the count is a fail-safe.
+        if any("come again" in line for line in display.said) or number > 20_000:
+            display.ask_to_close()
+
+    try:
+        summary = run_on(monkeypatch, display, live_of(servers[0].address, out=tmp_path / "out"), after=look).summary
+    finally:
+        for server in servers:
+            server.__exit__()
+    told = f"no frames from {servers[0].address}: the last one stays"
+    assert before and told in display.labels and display.labels[-1] == ""
+    assert summary["live"]["notices"][told] > 0
+    assert summary["link"]["feed"]["lost"] == sum("no frame for" in line for line in display.said) >= 1
+    assert summary["link"]["feed"]["away_s"] >= 1.5
+    assert len(rows_of(tmp_path / "out")) == 2 * summary["live"]["refreshes"]
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ({"scene": "no such"}, "unknown scene 'no such'"),
+        ({"fill": "model"}, "the scene is at the server"),
+        ({"response": "sum"}, "the server's times are real"),
+        ({"jitter": "uniform:20"}, "--added-latency 0 ms"),
+        ({"connect": "nowhere"}, "expected HOST:PORT"),
+    ],
+)
+def test_impossible_options_are_refused_before_a_connection(more, told):
+    with pytest.raises(InputError, match=told):
+        live(live_of(more.pop("connect", "127.0.0.1:1"), **more))
+
+
+RENDERED_FOV, RENDERED = Fov.symmetric(1.0, 0.8), (6, 4)
+ASKED, CAMERA = View(Pose((0.1, 1.6, 0.2)), RENDERED_FOV), View(Pose((1, 2, 3), (0, 1, 0, 1)), Fov.symmetric(0.9, 0.7))
+BYTES = np.random.default_rng(2).integers(0, 256, (4, 6, 3), np.uint8)
+DEPTH_M = np.linspace(0.5, 9, 24).reshape(4, 6)
+DEPTH_M[0, :3] = np.inf, 0, np.nan
+
+
+def fetched(render, view: View = ASKED, size=RENDERED):
+    with feed.serving(render) as address, closing(Viewer(address)) as viewer:
+        return viewer.fetch(view, size, 5_000_000)
+
+
+def test_a_frame_is_what_render_returns_for_the_view(capfd):
+    got = []
+
+    def render(views, time_ns):
+        got.append((views, views.size, time_ns))
+        return [BYTES], [DEPTH_M]
+
+    frame = fetched(render)
+    ((views, *rest),) = got
+    assert (*views, *rest) == (ASKED, RENDERED, 5_000_000) and frame.views == (ASKED,)
+    assert (frame.colours[0][..., :3] == BYTES).all() and (frame.colours[0][..., 3] == 255).all()
+    with np.errstate(divide="ignore"):
+        expected = np.where(DEPTH_M > 0, 1 / DEPTH_M, -1).astype(np.float32)
+    assert (frame.inverse_depths[0] == expected).all()
+    assert "listening at tcp://127.0.0.1:" in capfd.readouterr().err
+
+
+def test_light_coverage_and_the_view_of_a_camera_come_along():
+    light = np.dstack([np.full((4, 6, 3), 1.0), np.eye(4, 6)])
+    frame = fetched(lambda views, _: ([light], [np.ones((4, 6))], [CAMERA]))
+    assert frame.views == (CAMERA,)
+    assert (frame.colours[0] == np.dstack([np.full((4, 6, 3), 255), 255 * np.eye(4, 6)])).all()
+    assert (frame.inverse_depths[0] == np.where(np.eye(4, 6) > 0, 1, -1)).all()
+
+
+@pytest.mark.parametrize(
+    "result",
+    [([BYTES] * 2, [DEPTH_M]), ([BYTES], [DEPTH_M.T]), ([BYTES[..., :2]], [DEPTH_M]), ([BYTES], [DEPTH_M], [])],
+)
+def test_other_shapes_end_it_with_what_was_expected(result, monkeypatch):
+    monkeypatch.setattr("hmdwarp.sources.feed.caller._ANSWER_NS", 10**8)  # nobody answers any more
+    asked = []
+    with (
+        pytest.raises(InputError, match="render returned .*: expected"),
+        feed.serving(lambda views, _: asked.append(views) or result) as address,
+        closing(Viewer(address)) as viewer,
+    ):
+        while not asked:
+            viewer.fetch(ASKED, RENDERED, 0)
+
+
+def test_a_request_beyond_what_a_cpu_draws_is_refused():
+    """More than 2^28 bytes, at 13 a pixel."""
+    assert fetched(lambda *_: pytest.fail("asked"), size=(8192, 8192)) is None
+
+
+def test_served_by_a_process_of_its_own_until_it_is_interrupted():
+    program = (
+        "import hmdwarp, numpy as np\ndef render(views, time_ns):\n    w, h = views.size\n"
+        "    return [np.full((h, w, 3), 0.5)], [np.full((h, w), 2.0)]\nhmdwarp.feed.serve(render, '127.0.0.1:*')"
+    )
+    with subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        with closing(Viewer(process.stderr.readline().split()[2])) as viewer:
+            assert (viewer.fetch(ASKED, RENDERED, 0).inverse_depths[0] == 0.5).all()
+        process.send_signal(signal.SIGINT)
+        assert "Traceback" not in process.stderr.read()
+    assert process.returncode == 0

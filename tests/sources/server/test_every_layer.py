@@ -1,4 +1,5 @@
-"""What holds for every layer that the server draws beside the picture, and what it refuses."""
+"""What holds for every layer that the server draws beside the picture, what it refuses, and what
+frames leave behind: as many targets as are used, and pictures as before."""
 
 from __future__ import annotations
 
@@ -12,7 +13,10 @@ from hmdwarp.errors import InputError, MachineError, SceneError, UnknownNameErro
 from hmdwarp.frames import Mirrored, Needs
 from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.scenes import Material, Quad, Scene, load_scene, scenes
+from hmdwarp.gpu import download
+from hmdwarp.scenes import Quad, Scene, load_scene, scenes
+from hmdwarp.sources.server import Server
+from hmdwarp.sources.server.targets import IDLE_AFTER, MOST_IDLE, MOST_IDLE_BYTES
 
 SIZE = (40, 30)
 VIEWS = [View(Pose((x, 1.6, 0.2)), Fov(-0.7, 0.8, -0.6, 0.75)) for x in (-0.03, 0.03)]
@@ -58,15 +62,6 @@ def test_a_scene_and_its_layers_look_as_before(gpu, serve, tmp_path, name):
     pairs = [(each if each.shape[2] == 4 else each.repeat(4, axis=2), None) for each in found]
     share = 1 / 1000 if gpu.is_software else 1 / 20
     assert_golden(f"server/{name}", sheet(*pairs), tmp_path, share=share)
-
-
-def test_a_plain_scene_has_nothing_to_tell_and_pays_nothing(gpu, serve):
-    server, before = serve("planes"), None
-    for _ in range(2):
-        server.recycle(server.draw_frame(VIEWS, 0, SIZE))
-        assert before in (None, len(gpu.shaders))
-        before = len(gpu.shaders)
-    assert not server._moving and "reflections" not in {name for _, name in server._parts}
 
 
 class Bent:
@@ -133,17 +128,53 @@ def test_what_cannot_be_drawn_is_refused_by_name(serve, case):
         draw(serve)
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"tint": (1.0, 1.0)},
-        {"see_through": True, "tint": (1.2, 1.0, 1.0)},
-        {"tint": (0.5, 1.0, 1.0)},
-        {"transmission": 0.5},
-        {"see_through": True, "transmission": 1.5},
-        {"see_through": True, "head_locked": True},
-    ],
-)
-def test_impossible_materials_are_refused(changes):
-    with pytest.raises(SceneError):
-        Material(**changes)
+def burst(server: Server, number: int) -> None:
+    """Draw so many frames before the first is taken back."""
+    frames = []
+    for each in range(number):
+        frames.append(server.draw_frame(VIEWS[:1], each, SIZE))
+        # llvmpipe keeps what it draws at the same time for as long as it likes.
+        server.gpu.gl.finish()
+    for frame in frames:
+        server.recycle(frame)
+
+
+def rest(server: Server, hand_outs: int = 2 * IDLE_AFTER) -> None:
+    """Hand out one target at a time; what a hand-out needed stays for IDLE_AFTER more."""
+    pool = server.pool(SIZE)
+    for _ in range(hand_outs):
+        pool.release(pool.acquire())
+
+
+def test_targets_of_a_burst_are_freed_and_the_others_keep_their_pictures(serve):
+    server = serve("planes")
+    pool, held = server.pool(SIZE), server.draw_frame(VIEWS[:1], 0, SIZE)
+    picture = download(held.eyes[0].colour)
+    burst(server, 16)
+    assert (pool.live, pool.made) == (1, 17)
+    rest(server)
+    assert (pool.live, pool.made) == (1, 2)
+    np.testing.assert_array_equal(download(held.eyes[0].colour), picture)
+    # GL gives names of freed textures to new ones, which need framebuffers of their own.
+    frames = [server.draw_frame(VIEWS[:1], each, SIZE) for each in range(16)]
+    for frame in frames:
+        np.testing.assert_array_equal(download(frame.eyes[0].colour), picture)
+        server.recycle(frame)
+    server.recycle(held)
+
+
+def test_of_what_many_sizes_needed_a_bounded_part_is_kept(serve):
+    """As `serve` trims, after each frame that a client requests."""
+    server = serve("planes")
+    held = server.draw_frame(VIEWS[:1], 0, SIZE)
+    picture = download(held.eyes[0].colour)
+    server.recycle(held)
+    sizes = [(8 + number, 9) for number in range(3 * MOST_IDLE)] + [(1024, 256 + number) for number in range(24)]
+    for size in [*sizes, SIZE]:
+        frame = server.draw_frame(VIEWS[:1], 0, size, needs=Needs(velocity=1, overlay=1))
+        server.recycle(frame)
+        server.trim()
+        assert len(server._pools) <= MOST_IDLE + 8
+        assert sum(pool.bytes for pool in server._pools.values()) <= MOST_IDLE_BYTES + 6 * 8 * size[0] * size[1]
+        assert len(server._framebuffers._depth) <= MOST_IDLE + 1
+    np.testing.assert_array_equal(download(frame.eyes[0].colour), picture)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import struct
+from contextlib import suppress
+
 import attrs
 import numpy as np
 import pytest
@@ -11,11 +14,13 @@ from worlds import read
 from hmdwarp.client import PassInputs, ShownPicture
 from hmdwarp.client.effects import Tools
 from hmdwarp.client.effects.text import KeptPanels, PanelsPass
+from hmdwarp.errors import InputError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
-from hmdwarp.frames.layers.panels import PanelDelivery
+from hmdwarp.frames.layers.panels import PanelDelivery, Panels
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Canvas
+from hmdwarp.pipeline.feed_coding import made, needs_of_client, parts_of, wanted_of
 from hmdwarp.scenes import Panel, Scene, load_scene
 
 VIEW = View(Pose((0.0, 1.6, 0.0)), Fov(-0.5, 0.5, -0.45, 0.45), Pose((-0.03, 0.0, 0.0)))
@@ -151,3 +156,41 @@ def test_no_other_picture_of_a_frame_shows_what_the_client_lays_over(serve, laye
         pictures = eye[layer] if isinstance(eye[layer], tuple) else (eye[layer],)
         found.append([read(picture.colour) for picture in pictures])
     assert all(np.array_equal(*both) for both in zip(*found, strict=True))
+
+
+def changed(at, to):
+    return lambda content: np.concatenate([content[:at], np.frombuffer(to, np.uint8), content[at + len(to) :]])
+
+
+PLACE = 8 + 2 + 2 + 14  # after how many panels there are, and the head of the first
+PICTURE = PLACE + 9 * 8 + 4 + 14
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda content: content[:5], "cannot be read"),
+        (lambda content: content[:-700], "cannot be read"),
+        (changed(8, struct.pack("<H", 9)), "cannot be read"),
+        (changed(10, struct.pack("<H", 7)), "panels that show pictures"),
+        (changed(PLACE, struct.pack("<d", float("nan"))), "cannot be read"),
+        (changed(PLACE + 7 * 8, struct.pack("<d", -1.0)), "a panel is -1 x"),
+        (changed(PICTURE, b"JUNK"), "cannot be read"),
+        (changed(PICTURE + 60, bytes(400)), "cannot be read"),
+    ],
+)
+def test_what_is_no_panel_is_refused_in_one_line(gpu, serve, scene, change, message):
+    """Of what crosses the feed, once for both eyes. Also by the client's store, which alone sees
+    pictures that come in several frames."""
+    server, wanted = serve(attrs.evolve(scene, panels=scene.panels[:1])), wanted_of(needs(), [VIEW, VIEW], SIZE)
+    frame = server.draw_guarded([VIEW, VIEW], 0, SIZE, needs(), wanted.fovs, SIZE)
+    parts = parts_of(frame, needs_of_client(wanted), packs=False)
+    (content,) = parts[0]["panels"]
+    assert Panels.misfit([content], None) == "" and parts[1] == {}
+    assert made(server, frame.eyes, parts, wanted)[0]["panels"].keys() == frame.eyes[0]["panels"].keys()
+    wrong = Panels.misfit([change(content.ravel())[None]], None)
+    assert "\n" not in wrong and message in wrong
+    client = ClientScene(gpu, server.scene)
+    with suppress(InputError):
+        client.store(KeptPanels, PanelDelivery()).receive(change(content.ravel()))
+    client.close()

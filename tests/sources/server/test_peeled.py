@@ -1,28 +1,27 @@
-"""The cube and the layers behind the picture that the server draws."""
+"""The cube, the layers behind the picture and the further views that the server draws."""
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 import pytest
 from reference._rays import world_directions
+from replays import each_refresh, small
 from worlds import pixels
 
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View, cube_size, face_views
 from hmdwarp.geometry.cube import FACES
-from hmdwarp.scenes import Background, Mesh, Scene
+from hmdwarp.gpu import download
+from hmdwarp.scenes import Background, Quad, Scene
+from hmdwarp.sources.server.parts.views import LEAST_M, chosen, motion_of, moved, seen
 
 VIEW = View(Pose((0.3, 1.5, -0.2), (0.1, 0.2, -0.05, 0.9)), Fov(-0.7, 0.8, -0.6, 0.75))
 SIZE = (61, 47)
 
 
-@pytest.fixture
-def server(serve):
-    made = serve("room")
-    yield made
-
-
-def test_each_face_is_the_picture_of_its_view(server):
+def test_each_face_is_the_picture_of_its_view(serve):
+    server = serve("room")
     frame = server.draw_frame([VIEW], 0, SIZE, needs=Needs(cube=True))
     eye = frame.eyes[0]
     assert eye["cube"].size == cube_size(VIEW.fov, SIZE)
@@ -46,20 +45,12 @@ AHEAD = View(Pose(), FOV)
 def walls(*depths_m: float, half: float = 0.3, double_sided: bool = False, facing: float = 1) -> Scene:
     """Squares of half edge `half` times their distance, one behind the other before the origin,
     number k of brightness k + 1."""
-    meshes = []
-    for k, depth in enumerate(depths_m):
-        r = half * depth
-        corners = [
-            (-r * facing, -r, -depth), (r * facing, -r, -depth), (r * facing, r, -depth), (-r * facing, r, -depth),
-        ]  # fmt: skip
-        light = np.full((4, 3), k + 1.0)
-        triangles = [(0, 1, 2), (0, 2, 3)]
-        meshes.append(
-            Mesh(
-                f"wall {k}", corners, np.tile((0, 0, 1.0), (4, 1)), np.zeros((4, 2)), light, triangles, -1, double_sided
-            )
-        )
-    return Scene("walls", "", tuple(meshes), background=Background.uniform(SKY))
+    meshes = [
+        Quad((0, 0, -z), (half * z * facing, 0, 0), (0, half * z, 0), -1, (k + 1.0,) * 3).mesh(f"wall {k}")
+        for k, z in enumerate(depths_m)
+    ]
+    meshes = [attrs.evolve(mesh, double_sided=double_sided) for mesh in meshes]
+    return Scene("walls", "", meshes, background=Background.uniform(SKY))
 
 
 def peeled(serve, scene: Scene, count: int, view: View = AHEAD) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -101,3 +92,93 @@ def test_backs_are_left_out_as_in_the_picture_itself(serve, double_sided):
     layers = peeled(serve, walls(1, 2, double_sided=double_sided, facing=-1), 1)
     assert layers[0][1][middle()] == pytest.approx(1.0 if double_sided else 0)
     assert layers[1][1][middle()] == pytest.approx(0.5 if double_sided else -1)
+
+
+WIDE = Fov.from_tangents((-1, 1, -0.8, 0.8))
+SCREEN = (120, 96)
+WALL_M, SQUARE_M, HALF_M = 3.0, 1.0, 0.25
+MS = 1_000_000
+RIGHT = np.array([0.1, 0, 0])
+
+
+def view_at(place) -> View:
+    return View(Pose(place), WIDE)
+
+
+def depth_of(view: View) -> np.ndarray:
+    """A square 1 m before the origin and a wall behind it, which all views look straight at."""
+    x, y, z = view.pose.position_m
+    rays = view.rays(SCREEN)
+    away = SQUARE_M + z
+    on_square = (np.abs(x + away * rays[..., 0]) <= HALF_M) & (np.abs(y + away * rays[..., 1]) <= HALF_M)
+    return np.where(on_square, 1 / away, 1 / (WALL_M + z))
+
+
+def hidden_behind_square(view: View, target: View) -> np.ndarray:
+    """Which points of the wall in the target's pixels lie behind the square, by straight lines."""
+    (x, y, z), from_eye = target.pose.position_m, view.pose.position_m
+    rays = target.rays(SCREEN)
+    wall = np.stack([x + (WALL_M + z) * rays[..., 0], y + (WALL_M + z) * rays[..., 1]], axis=-1)
+    part = (SQUARE_M + from_eye[2]) / (WALL_M + from_eye[2])
+    through = from_eye[:2] + part * (wall - from_eye[:2])
+    return (np.abs(through) <= HALF_M).all(axis=-1) & (depth_of(target) < 0.5)
+
+
+@pytest.mark.parametrize("way", [RIGHT, -RIGHT, (0.05, 0.08, 0), (0, 0, -0.2), (0, 0, 0.3)], ids=str)
+def test_a_picture_shows_what_no_straight_line_to_it_meets_anything_before(way):
+    view, target = view_at((0, 0, 0)), view_at(way)
+    found = seen(view, depth_of(view), target, depth_of(target), SCREEN)
+    hidden = hidden_behind_square(view, target)
+    tangents = target.pose.position_m[:2] + (1 / depth_of(target))[..., None] * target.rays(SCREEN)[..., :2]
+    away = 1 / depth_of(target) - target.pose.position_m[2] + view.pose.position_m[2]
+    outside = (np.abs(tangents / away[..., None]) >= (1, 0.8)).any(axis=-1)
+    wrong = found == (hidden | outside)
+    # Only where the nearest pixel of the picture lies across an edge: beside the outline of the
+    # square, at most one pixel on either side, and beside the picture's own.
+    outline = 2 * 4 * 2 * HALF_M / SQUARE_M * SCREEN[0] / 2 / 0.8
+    assert wrong.sum() <= outline + 2 * sum(SCREEN)
+    assert way[0] == 0 or hidden.sum() > 30
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_first_view_is_taken_from_where_the_eye_goes(sign):
+    view = view_at((0, 0, 0))
+    motion = motion_of(view, sign * np.array([0.5, 0, 0]), 0.2)
+    first, second = chosen(view, SCREEN, motion, 2, depth_of)
+    assert first @ RIGHT * sign > 0 and np.linalg.norm(first) >= 0.04
+    assert not np.array_equal(first, second)
+    target = moved(view, motion[0])
+    wanted = depth_of(target)
+
+    def empty(*ways) -> float:
+        shown = [seen(place, depth_of(place), target, wanted, SCREEN) for way in ways for place in [moved(view, way)]]
+        return 1 - np.any(shown, axis=0).mean()
+
+    assert empty(np.zeros(3), first) < 0.2 * empty(np.zeros(3))
+    assert empty(np.zeros(3), first, second) <= empty(np.zeros(3), first)
+
+
+def test_the_server_draws_them_as_any_other_picture(serve):
+    server, needs, age_ns = serve("room"), Needs(views=2), 400 * MS
+    place = server.scene.viewpoint.position_m
+    for number in range(3):
+        eyes = [view_at(place + (0.03 * number + x, 0, 0)) for x in (-0.03, 0.03)]
+        frame = server.draw_frame(eyes, number * 100 * MS, SCREEN, needs=needs, age_ns=age_ns)
+        ways = [[view.view.pose.position_m - eye.view.pose.position_m for view in eye["views"]] for eye in frame.eyes]
+        assert np.allclose(ways[0], ways[1]), "as far from each eye"
+        # 0.3 m/s for 0.4 s, once there is a frame before.
+        assert np.linalg.norm(ways, axis=-1).max() <= (0.12 if number else LEAST_M) + 1e-9
+        assert not number or ways[0][0] @ RIGHT > 0, "the first is taken from where the head goes"
+        for view in (view for eye in frame.eyes for view in eye["views"]):
+            again = server.draw(view.view, SCREEN, time_ns=frame.drawn_ns)
+            assert np.array_equal(download(again.colour), download(view.colour))
+            server.pool(SCREEN).release(again.colour)
+        server.recycle(frame)
+    assert server.pool(SCREEN).made == 2 * 3 + 1, "two eyes of three pictures, and the one to compare with"
+
+
+def test_an_eye_that_turns_away_falls_back_on_an_older_frame():
+    found: list[int] = []
+    options = {"warp": "multi:views=2,frames=1,eye=own,spacing=50", "latency_ms": 50.0, "size": (32, 24)}
+    each_refresh(small(**options), lambda setup, number, refresh: found.append(len(refresh.inputs[0].others)))
+    assert found[-1] == 3, "two views and the older frame"

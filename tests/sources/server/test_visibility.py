@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.sources.server import Visibility, boxes_of, clip_from_eye, draws_of, eye_from_scene
-from hmdwarp.sources.server.passes import KEPT, NEAR_M, Chunks, nearest_first, visible, world_from_ndc
+from hmdwarp.sources.server.passes import KEPT, NEAR_M, Chunks, visible, world_from_ndc
 
 angles = st.floats(0.05, 1.4)
 fovs = st.builds(lambda a, b, c, d: Fov(-a, b, -c, d), angles, angles, angles, angles)
@@ -41,15 +41,6 @@ def test_a_box_with_a_visible_point_in_it_is_never_culled(place, turn, fov, ndc,
     clip = clip_from_eye(fov) @ eye_from_scene(view, np.zeros(3))
     # 1e-6 m: a point on the very border may round to the outside
     assert visible(boxes_of((seen + half_size * 0.99)[None], half_size[None] + 1e-6 * (1 + depth)), clip).all()
-
-
-@given(st.lists(vectors, max_size=40), vectors, st.integers(1, 6))
-def test_the_classes_are_those_of_numpys_quantiles(centres, eye, classes):
-    centres, eye = np.array(centres).reshape(-1, 3), np.array(eye)
-    found = nearest_first(boxes_of(centres, np.ones_like(centres)), eye, classes)
-    farthest = np.linalg.norm(np.abs(centres - eye) + 1, axis=1)
-    limits = np.quantile(farthest, np.arange(1, classes) / classes) if len(centres) else []
-    assert np.array_equal(found, np.searchsorted(limits, farthest, side="left"))
 
 
 def chunks_of(centres, half_sizes) -> Chunks:

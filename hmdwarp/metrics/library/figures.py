@@ -1,12 +1,13 @@
-"""SSIM, FLIP and PSNR, over all pixels."""
+"""PSNR, SSIM and FLIP over all pixels; holes, and flicker."""
 
 from __future__ import annotations
 
 import math
 from contextlib import closing
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError, in_brief
 from ...geometry import real
@@ -155,5 +156,75 @@ metrics.register(
         explanation="Squared error in dB; higher is better. Means are means of the dB of single pictures. "
         "A shift by one pixel costs a lot in fine texture.",
         study_title="error (PSNR)",
+    )
+)
+
+
+def hole_share(coverage: NDArray[Any]) -> float:
+    """Return the share of pixels, 0..1, with coverage 0.
+
+    coverage: (h, w), after the warp and before the fill.
+    """
+    return float(np.count_nonzero(np.asarray(coverage) == 0)) / np.size(coverage)
+
+
+metrics.register(
+    Metric(
+        name="hole_share",
+        order=40,
+        most=1.0,
+        compute=lambda m: hole_share(m.covered),
+        needs=Input.COVERAGE,
+        is_contest=False,
+        label="Holes",
+        percent_of="pixels",
+        digits=2,
+        short_label="holes",
+        short_digits=1,
+        bench_rank=6,
+        tile_note="empty after the warp, before the fill",
+        chart="Holes before the fill",
+        description="Pixels without anything after the warp and before the fill, of all",
+        explanation="Pixels that the warp left empty, before the fill.",
+        study_title="holes",
+    )
+)
+
+metrics.register(
+    Metric(
+        name="border_share",
+        order=50,
+        most=1.0,
+        compute=lambda m: float(m.border_holes.mean()),
+        needs=Input.COVERAGE | Input.DEPTH | Input.RENDERED,
+        is_contest=False,
+        label="of which outside the source field of view",
+        percent_of="pixels",
+        digits=2,
+        short_label="border",
+        short_digits=1,
+        bench_rank=None,
+        description="Of these, holes outside the source field of view, of all pixels",
+        explanation="Holes whose surface lay outside the field of view of the late frame. "
+        "Only a larger rendered field of view (--guard) helps there, no warp can.",
+        study_title="holes at the border",
+    )
+)
+
+metrics.register(
+    Metric(
+        name="flicker",
+        order=60,
+        compute=lambda m: m.alike.flicker,  # see PairPass
+        of_seen_share=lambda value, share: value,  # of the seen pixels already
+        needs=Input.TRUTH | Input.PREVIOUS,
+        label="Flicker",
+        short_label="flicker",
+        bench_rank=4,
+        chart="Flicker",
+        description="Change of the error from one picture to the next",
+        explanation="Mean change of the error from one frame to the next in the same direction of view. "
+        "Error that stays where it is in the world counts little; error that jumps counts in full.",
+        study_title="flicker",
     )
 )

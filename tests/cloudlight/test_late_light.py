@@ -1,4 +1,6 @@
-"""Photons on the client: splatted as a float64 twin finds, and kept whatever the link does."""
+"""Light that is late on the client, beside direct light of now: an atlas of irradiance, whole at
+each update, and photons, splatted and kept whatever the link does.
+"""
 
 from __future__ import annotations
 
@@ -11,15 +13,15 @@ from made import counting_made
 from replays import run
 from worlds import read, shown_by
 
-from hmdwarp.client import ClientScene as PlainClientScene
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.client.warps import Output
 from hmdwarp.cloudlight.photons import CUBE_BYTES, KeptPhotons, PhotonMap
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, Canvas, allocate
 from hmdwarp.link import LinkOptions
-from hmdwarp.scenes import ATLAS, Lamp, Still, load_scene, with_lamps_stopped
+from hmdwarp.link.codec import Coding
+from hmdwarp.scenes import ATLAS, Lamp, Still, load_scene, scenes, with_lamps_stopped
 from hmdwarp.sources.server import Server
 
 SIZE = (96, 80)
@@ -27,10 +29,6 @@ FOV = Fov(-0.8, 0.75, -0.7, 0.65)
 HERE, THERE = View(Pose((0.05, 1.6, 0.1)), FOV), View(Pose((0.3, 1.5, -0.2), (0.05, 0.3, 0.02, 0.95)), FOV)
 FEW = PhotonMap(budget=20_000, paths=1024, radius=0.5)
 SPEC = "photons:budget=20000,paths=1024,radius=0.5"
-
-
-def client_of(gpu, scene) -> PlainClientScene:
-    return PlainClientScene(Server(gpu, scene))
 
 
 def frames_of(geometry, time_ns: int, wanted=FEW, arrive=lambda number: True) -> list[np.ndarray]:
@@ -48,9 +46,9 @@ def frames_of(geometry, time_ns: int, wanted=FEW, arrive=lambda number: True) ->
     raise AssertionError("it never ends")
 
 
-def shown(gpu, geometry, time_ns: int, spec: str = SPEC, view: View = THERE):
+def shown(gpu, geometry, time_ns: int, spec: str = SPEC, view: View = THERE, frame=None):
     """Colour and inverse depth of what the client shows with what it has received."""
-    frame = geometry.server.draw_frame([HERE], time_ns, (8, 8))
+    frame = frame or geometry.server.draw_frame([HERE], time_ns, (8, 8))
     inputs = PassInputs(frame.eyes[0], view, shown_ns=time_ns)
     return shown_by(gpu, spec, inputs, SIZE, Output(depth=True), geometry)
 
@@ -64,10 +62,9 @@ def test_pictures_lit_by_photons_look_as_before(gpu, tmp_path):
     """What they must bring is known: test_photon_bundles.py. Then lit by a spot, a point, a sun."""
     pictures, time_ns = [], 700_000_000
     for name in ("lantern", "sunroom", "doorway"):
-        geometry = client_of(gpu, plain(load_scene(name)))
+        geometry = ClientScene(gpu, plain(load_scene(name)))
         receive(geometry, frames_of(geometry, time_ns))
         pictures.append(shown(gpu, geometry, time_ns, f"{SPEC},scale=1"))
-        geometry.close()
     down, aslant = ((np.sin(turn), 0, 0, np.cos(turn)) for turn in (-np.pi / 4, -np.pi / 5))
     lamps = [
         Lamp(Still(Pose((0.2, 0.8, 0.1), down)), (0.9, 0.5, 0.3), cone=(0.15, 0.7)),
@@ -77,9 +74,8 @@ def test_pictures_lit_by_photons_look_as_before(gpu, tmp_path):
     open_box = [side for side in cube((1.0, 1.0, 1.0)) if side.centre[1] < 0.9]
     view = View(Pose((0.0, 0.7, 0.6), (np.sin(-0.35), 0, 0, np.cos(-0.35))), FOV)
     for each in lamps:
-        geometry = client_of(gpu, scene_of(open_box, 0.2, [each]))
+        geometry = ClientScene(gpu, scene_of(open_box, 0.2, [each]))
         pictures.append(shown(gpu, geometry, 0, view=view))
-        geometry.close()
     assert_golden("effects/photons", sheet(*pictures), tmp_path, share=1 / 1000 if gpu.is_software else 1 / 20)
 
 
@@ -88,18 +84,14 @@ def test_before_any_photon_there_is_direct_light_alone(gpu):
     geometry, time_ns = ClientScene(gpu, "lantern"), 700_000_000
     got = shown(gpu, geometry, time_ns)
     black = allocate(gpu.gl, ATLAS, COLOUR)
-    choice = parse_warp("irradiance")
-    warp = choice.entry(gpu, SIZE, SIZE, choice.settings, Output(depth=True), geometry)
-    canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
-    frame = geometry.server.draw_frame([HERE], time_ns, (8, 8))
-    warp.run_with_depth(PassInputs(frame.eyes[0].having(irradiance=black), THERE, shown_ns=time_ns), canvas, depth)
-    assert np.allclose(got[0], read(canvas.texture), rtol=1e-3, atol=1e-4)
-    assert np.array_equal(got[1], read(depth)[..., 0])
+    eye = geometry.server.draw_frame([HERE], time_ns, (8, 8)).eyes[0].having(irradiance=black)
+    inputs = PassInputs(eye, THERE, shown_ns=time_ns)
+    colour, depth = shown_by(gpu, "irradiance", inputs, SIZE, Output(depth=True), geometry)
+    assert np.allclose(got[0], colour, rtol=1e-3, atol=1e-4) and np.array_equal(got[1], depth)
     assert got[0].max() > 0.1
     receive(geometry, frames_of(geometry, time_ns))
     more = shown(gpu, geometry, time_ns)[0][..., :3].sum()
     assert more > 1.4 * got[0][..., :3].sum(), "and then there is more"
-    warp.close()
 
 
 # When the light has changed, and the share of the error of light that stands still. In sunroom the
@@ -127,7 +119,7 @@ def test_only_indirect_light_is_late_and_nearer_than_light_that_stands_still(gpu
 def test_a_door_that_moves_makes_all_photons_stale(gpu):
     """Lamps stand still, but what they light does not: from any past to the same photons."""
     wanted, door = PhotonMap(budget=20_000, paths=1024), load_scene("doorway")
-    moved, fresh = client_of(gpu, door), client_of(gpu, door)
+    moved, fresh = ClientScene(gpu, door), ClientScene(gpu, door)
     receive(moved, frames_of(moved, 0, wanted), wanted)
     assert [len(frame) for frame in frames_of(moved, 400_000_000, wanted)] == [CUBE_BYTES], "it is still shut"
     receive(moved, frames_of(moved, 2_500_000_000, wanted), wanted)
@@ -136,22 +128,10 @@ def test_a_door_that_moves_makes_all_photons_stale(gpu):
     assert one == other
 
 
-def test_updates_in_any_order_and_some_of_them_twice_show_the_same(gpu):
-    geometry = ClientScene(gpu, "lantern")
-    contents = [frame for time_ms in (0, 300, 600) for frame in frames_of(geometry, time_ms * 1_000_000)]
-    pictures = []
-    for order in (contents, contents[::-1], [*contents[3:], *contents]):
-        other = ClientScene(gpu, "lantern")
-        receive(other, order)
-        pictures.append(shown(gpu, other, 700_000_000)[0])
-        other.close()
-    assert all(np.array_equal(pictures[0], picture) for picture in pictures[1:])
-
-
 def test_lost_photons_are_sent_again_and_still_light_once(gpu):
     """Every third frame is lost. Afterwards nothing is left to send, as long as no light moves."""
     scene = with_lamps_stopped(load_scene("lantern"))
-    whole, torn = client_of(gpu, scene), client_of(gpu, scene)
+    whole, torn = ClientScene(gpu, scene), ClientScene(gpu, scene)
     wanted = PhotonMap(budget=4000, paths=1024)
     receive(whole, frames_of(whole, 0, wanted), wanted)
     receive(torn, frames_of(torn, 0, wanted, lambda number: number % 3 != 1), wanted)
@@ -177,13 +157,68 @@ def test_showing_and_receiving_make_nothing_on_the_gpu(gpu):
     assert counts[0]["texture"] and counts[1] == counts[2]
 
 
-@pytest.mark.parametrize(
-    "network", [LinkOptions(), LinkOptions.of({"loss": "0.2", "jitter": "uniform:20", "link_seed": 4})], ids=["", "bad"]
-)
-def test_a_replay_sends_photons_alone(tmp_path, network):
-    more = {"warp": SPEC, "latency_ms": 50.0, "seconds": 0.3, "network": network}
-    summary = run(tmp_path, scene="lantern", **more).summary
-    assert set(summary["link"]["layers_mbit_s"]) == {"photons"}
-    assert summary["quality"]["psnr_db"]["mean"] > 20
-    _, kept = summary["client_models"]
-    assert 0 < kept["photons"] <= 2048 and kept["first_picture_bytes"] <= kept["arrived_bytes"]
+# --- irradiance ---
+
+LIT = [name for name in scenes.names() if scenes.get(name).build().lamps]
+
+
+def frame_of(geometry, time_ns, updates=10.0):
+    return geometry.server.draw_frame([HERE, HERE], time_ns, SIZE, needs=Needs(irradiance=updates))
+
+
+@pytest.mark.parametrize("scene", LIT)
+def test_with_the_light_of_now_it_is_the_truth_bit_for_bit(gpu, scene):
+    """Whatever the frame was drawn for, from the same atlas and by the same passes."""
+    geometry = ClientScene(gpu, scene)
+    time_ns = 700_000_000
+    got = shown(gpu, geometry, time_ns, "irradiance", frame=frame_of(geometry, time_ns))
+    truth = geometry.server.draw(THERE, SIZE, time_ns=time_ns)
+    assert np.array_equal(got[0], read(truth.colour))
+    assert np.array_equal(got[1], read(truth.inverse_depth)[..., 0])
+
+
+def test_each_update_is_whole_so_that_a_lost_one_is_no_matter(gpu):
+    """Frames between updates carry the last one again; older frames show the older light."""
+    geometry = ClientScene(gpu, "lantern")
+    times = (100_000_000, 150_000_000, 199_000_000, 200_000_000, 650_000_000)
+    frames = [frame_of(geometry, time_ns) for time_ns in times]
+    atlases = [read(frame.eyes[0]["irradiance"]) for frame in frames]
+    assert np.array_equal(atlases[0], atlases[1]) and np.array_equal(atlases[0], atlases[2])
+    assert not np.array_equal(atlases[0], atlases[3])
+    assert frames[0].eyes[0]["irradiance"] is frames[0].eyes[1]["irradiance"]
+    in_order, turned_round = (
+        [shown(gpu, geometry, 700_000_000, "irradiance", HERE, frame)[0] for frame in each]
+        for each in (frames, frames[::-1])
+    )
+    assert all(np.array_equal(a, b) for a, b in zip(in_order, turned_round[::-1], strict=True))
+
+
+BAD = LinkOptions.of({"loss": "0.2", "jitter": "uniform:20", "link_seed": 4})
+ATLAS_ALONE = {"scene": "lantern", "warp": "irradiance", "latency_ms": 100.0}
+PHOTONS_ALONE = {"scene": "lantern", "warp": SPEC, "latency_ms": 50.0, "seconds": 0.3}
+POINTS_ALONE = {
+    "scene": "planes", "warp": "points:budget=400000", "fill": "pyramid", "latency_ms": 50.0, "seconds": 0.5,
+}  # fmt: skip
+REPLAYS = {
+    "irradiance": ATLAS_ALONE, "irradiance coded": {**ATLAS_ALONE, "coding": Coding("h264")},
+    "photons": PHOTONS_ALONE, "photons lost": {**PHOTONS_ALONE, "network": BAD},
+    "points": POINTS_ALONE, "points lost": {**POINTS_ALONE, "network": BAD},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REPLAYS)
+def test_a_replay_sends_light_alone(tmp_path, case):
+    """Coded, the atlas errs by a code's error; colour and depth cross in no case."""
+    name = case.split()[0]
+    summary = run(tmp_path, **REPLAYS[case]).summary
+    assert set(summary["link"]["layers_mbit_s"]) == {name}
+    if name == "irradiance":
+        assert summary["quality"]["psnr_db"]["mean"] > 35
+        assert "coded" in case or summary["link"]["frame_bytes"] == 8 * 64 * 64, "once a frame, not once an eye"
+        return
+    kept = summary["client_models"][-1]
+    assert kept["first_picture_bytes"] and kept["first_picture_bytes"] <= kept["arrived_bytes"]
+    if name == "photons":
+        assert summary["quality"]["psnr_db"]["mean"] > 20 and 0 < kept["photons"] <= 2048
+    else:  # which stop once all have arrived
+        assert kept["points"] > 1000 and kept["arrived_bytes"] < 9 * 1.3 * kept["points"] + 20 * 60

@@ -1,0 +1,1 @@
+"""Axes of head traces by the software that writes them: `reading.axes.presets`."""
