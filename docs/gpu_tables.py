@@ -62,8 +62,6 @@ def section(data: Row) -> str:
             "Warp and fill together, one eye, median and 95th percentile in ms:",
             times_table(rows),
         ]
-        paths = paths_line(rows)
-        parts += [paths] if paths else []
     # Files from before there was this part lack it.
     if data.get("chains"):
         parts += ["Both eyes in one refresh, while copies keep the clock up, in ms:", chains_table(data["chains"])]
@@ -84,22 +82,6 @@ def chains_table(chains: list[Row]) -> str:
         cells = [_cell(row["time_ms"].get(stage)) for stage in ("warp", "fill", "total")]
         lines.append([row["chain"], "x".join(map(str, row["size"])), *cells])
     return markdown(("chain", "size", "warp", "fill", "all passes"), lines, texts=2)
-
-
-def paths_line(rows: list[Row]) -> str:
-    """Return the time of `forward`'s 64-bit path beside the portable one; "" without both."""
-    found = []
-    for size in dict.fromkeys(tuple(row["size"]) for row in rows):
-        medians = {
-            row["warp"]: row["time_ms"]["warp"]["median"]
-            for row in rows
-            if tuple(row["size"]) == size and row["fill"] == "none"
-        }
-        one, two = (medians.get(f"forward:path={path}") for path in ("atomic64", "portable"))
-        if one and two:
-            found.append(f"{one:.3f} ms against {two:.3f} at {size[0]}x{size[1]} ({one / two:.2f} of it)")
-    what = "`forward` in one pass with 64-bit atomics, against two with 32-bit ones"
-    return f"{what}: {', '.join(found)}." if found else ""
 
 
 def live_table(summaries: list[Row]) -> str:

@@ -15,7 +15,7 @@ def row(warp: str, size: tuple[int, int], ms: float) -> dict:
 
 
 def gpu_json(renderer: str = "NVIDIA Some GPU/PCIe/SSE2", warps: dict[str, float] | None = None) -> dict:
-    warps = warps or {"forward:path=portable": 2.0, "forward:path=atomic64": 1.0}
+    warps = warps or {"forward": 2.0, "mesh": 1.0}
     machine = {"gl_renderer": renderer, "gl_version": "4.3", "cpu_count": 8}
     bench = [
         {
@@ -34,12 +34,11 @@ def gpu_json(renderer: str = "NVIDIA Some GPU/PCIe/SSE2", warps: dict[str, float
     return {"doctor": doctor, "bench": bench, **told}
 
 
-def test_a_page_has_times_both_paths_and_what_was_left_out():
+def test_a_page_has_times_and_what_was_left_out():
     page = gpu_tables.section(gpu_json())
     assert page.startswith("## NVIDIA Some GPU\n")
     assert "none, 1280x800 | none, 2064x2208" in page
-    assert "| `forward:path=atomic64` | 1.00 (2.00) | 1.00 (2.00) |" in page
-    assert "1.000 ms against 2.000 at 1280x800 (0.50 of it)" in page
+    assert "| `mesh` | 1.00 (2.00) | 1.00 (2.00) |" in page
     assert "a table" in page and "a ratio" in page and "- live 2: no time" in page
 
 

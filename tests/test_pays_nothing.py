@@ -15,8 +15,7 @@ from hmdwarp.scenes import load_scene, scenes
 SCENES = scenes.names()
 PLAIN = [name for name in SCENES if not scenes.get(name).effects]
 CALLING = [name for name in SCENES if scenes.get(name).effects]
-# All that a plain scene may compile for warp `forward:path=portable` and fill `interpolate`. The
-# path is named because GPUs with 64-bit atomics would take the other.
+# All that a plain scene may compile for warp `forward` and fill `interpolate`.
 BASE_SHADERS = {
     "server/resolve.comp",
     "server/scene.vert", "server/scene.frag", "server/background.vert", "server/background.frag", "warps/forward.comp",
@@ -28,12 +27,11 @@ ASKED_WHERE_IT_IS = {
     for effect in effects
     if effect.by_name_only and effects.selected(effect.name, (), load_scene("planes")) == ()
 }
-PORTABLE = "forward:path=portable"
 
 
 @pytest.mark.parametrize("scene", PLAIN)
 def test_a_plain_scene_compiles_allocates_sends_and_runs_the_bare_minimum(scene):
-    costs = costs_of(scene=scene, warp=PORTABLE, fill="interpolate", samples=4)
+    costs = costs_of(scene=scene, warp="forward", fill="interpolate", samples=4)
     assert costs.shaders == BASE_SHADERS
     # 96x80 pixels an eye of 8 bytes of colour and 4 of depth, and no more.
     assert costs.layers == {"rendered.colour": 2 * 96 * 80 * 8, "rendered.inverse_depth": 2 * 96 * 80 * 4}

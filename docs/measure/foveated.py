@@ -34,7 +34,6 @@ FRAMES = {
     "whole": {},
     "40 degrees": {"fovea_deg": 40.0},
     "20 degrees": {"fovea_deg": 20.0},
-    "20 degrees, predicted": {"fovea_deg": 20.0, "gaze": "predicted"},
     "20 degrees, rim of 8": {"fovea_deg": 20.0, "rim": 8},
 }
 # 100 Hz: each latency is a whole number of refreshes.

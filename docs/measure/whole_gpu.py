@@ -21,7 +21,6 @@ from gpu_tables import section
 
 HERE = Path(__file__).resolve().parent
 SCHEMA = 1
-PATHS = {True: ("forward:path=portable", "forward:path=atomic64"), False: ("forward",)}
 FEW = ("none", "rotation", "iterative", "backward", "layered")
 MORE = (*FEW, "planar", "forward_ordered", "forward_raster", "splat", "multi", "mesh", "mesh_adaptive")
 
@@ -100,14 +99,11 @@ def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
     if told is None:
         raise SystemExit(f"{run.left_out[0]}: 'hmdwarp doctor' says what is missing")
     doctor = json.loads(told)["findings"]
-    has_atomic64 = next(finding for finding in doctor if finding["name"] == "OpenGL")["facts"]["atomic_int64"]
-    if not has_atomic64:
-        run.left_out.append("the 64-bit path: this driver has no 64-bit atomics")
     sizes = ",".join(size for size, *_ in work.benches)
     chains = run.part("chains with a busy GPU", str(HERE / "gpu_chain.py"), "--sizes", sizes, *work.chains)
     benches, lives = [], []
     for size, warps, fills in work.benches:
-        chosen = ("--warp", ",".join((*PATHS[has_atomic64], *warps)), "--fill", ",".join(fills))
+        chosen = ("--warp", ",".join(("forward", *warps)), "--fill", ",".join(fills))
         what = ("look-around", *DK1, "--scene", work.scene, "--size", size, "--quiet")
         benches.append(run.results(f"bench {size}", "bench", *what, *chosen, *work.bench_options, file="bench.json"))
     for size, *_ in work.benches:

@@ -122,8 +122,7 @@ def _opengl(known: Facts) -> Finding:
     clocks = {"gpu": "GPU timer queries", "wall": "wall clock, as this driver's GPU timers are unusable"}
     detail = (
         f"{known['renderer']}, {known['version']} ({'software, on the CPU' if known['software'] else 'hardware'}); "
-        f"textures up to {known['max_texture_size']} px a side, 64-bit atomics "
-        f"{'yes' if known['atomic_int64'] else 'no'}; timers: {clocks[known['clock']]}"
+        f"textures up to {known['max_texture_size']} px a side; timers: {clocks[known['clock']]}"
     )
     return Finding("OpenGL", OK, detail, facts=known)
 
@@ -157,10 +156,6 @@ def _window(known: Facts) -> Finding:
     return Finding("desktop window", OK, f"OpenGL 4.3 window opens, screen {size}", facts=known)
 
 
-# Both are needed for a 64-bit depth test in one pass; there is a 32-bit path for everything.
-_INT64_EXTENSIONS = {"GL_ARB_gpu_shader_int64", "GL_NV_shader_atomic_int64"}
-
-
 def _report(known: Mapping[str, object]) -> None:
     print(json.dumps(known), flush=True)
 
@@ -170,8 +165,7 @@ def _probe_gl() -> None:
     try:
         with Gpu() as gpu:
             about = {"renderer": gpu.renderer, "version": gpu.version, "software": gpu.is_software}
-            about |= {"clock": gpu.timer.clock, "atomic_int64": gpu.gl.extensions >= _INT64_EXTENSIONS}
-            _report(about | {"max_texture_size": gpu.gl.info["GL_MAX_TEXTURE_SIZE"]})
+            _report(about | {"clock": gpu.timer.clock, "max_texture_size": gpu.gl.info["GL_MAX_TEXTURE_SIZE"]})
     except HmdwarpError as error:
         _report({"error": str(error)})
 

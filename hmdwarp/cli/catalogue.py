@@ -112,7 +112,7 @@ def headset_facts(headset: Any) -> Row:
         "overlap_deg": f"{headset.overlap_deg:.1f}",
         "pixels_per_degree": f"{headset.eyes[0].fov.pixels_per_degree(headset.eye_size_px):.1f}",
         "hidden_share": _both([eye.hidden_share for eye in headset.eyes], ".1%"),
-        "ipd_mm": f"{headset.ipd_m * 1e3:.1f}, --ipd {least:g} to {most:g}",
+        "ipd_mm": f"{headset.ipd_m * 1e3:.1f}, :ipd={least:g} to {most:g}",
     }
 
 

@@ -218,68 +218,82 @@ def build_plan(
         raise PlanError(
             f"--lens {lens}: {distorts} corrects the lens by itself, and would do so again; use --lens none"
         )
-    if fused:
-        _refuse_to_fuse(choice.entry, chain, chosen_lens)
-    draft = _Draft()
-    read = {*choice.entry.reads_for(choice.settings), *(name for each in chain for name in each.entry.reads)}
-    why_not = {each.name: _why_not(each, declared, choice.entry, read, fused, named, forbidden) for each in effects}
-    draft.left_out += [(name, why) for name, why in why_not.items() if why]
+    chosen_warp, through = choice.entry, chosen_lens if fused else None
+    read = {*chosen_warp.reads_for(choice.settings), *(name for each in chain for name in each.entry.reads)}
+    why_not = {each.name: _why_not(each, declared, chosen_warp, read, fused, named, forbidden) for each in effects}
     chosen = [effect for effect in effects if not why_not[effect.name]]
     passes = [
         PlannedEffect(made_by, tuple(effect for effect in chosen if effect.made_by is made_by))
         for made_by in dict.fromkeys(effect.made_by for effect in sorted(chosen, key=lambda one: one.order))
     ]
+    _refuse(chosen_warp, chain, through, passes)
     rendered = [planned for planned in passes if issubclass(planned.made_by, RenderedPass)]
     # Those whose work the display does.
     handed = [each for each in passes if each not in rendered and takes_panels and each.is_for_display]
-    for effect in (effect for planned in handed for effect in planned.effects):
-        draft.leave_out(effect.name, f"{takes_panels} composes them by itself, at its newest pose")
     shown = [planned for planned in passes if planned not in (*rendered, *handed)]
-    _refuse_colour_in_light(passes, chain)
-    for each in (each for each in shown if issubclass(each.made_by, ShownPass) and each.made_by.takes_out):
-        own = tuple(name for name in each.reads if name.startswith("client."))
-        draft.add("effects", f"{each.made_by.name} out", _why(each, forced), (*PICTURE, *own), PICTURE)
-    for each in rendered:
-        draft.add("effects", each.made_by.name, _why(each, forced), each.reads, each.made_by.writes)
-    _plan_client_depth(choice.entry, client_geometry, CLIENT_DEPTH in (brings or ()), draft)
-    follows = scanout and choice.entry.scans_out
+    left_out = [(name, why) for name, why in why_not.items() if why]
+    for effect in (effect for planned in handed for effect in planned.effects):
+        left_out.append((effect.name, f"{takes_panels} composes them by itself, at its newest pose"))
+    steps = []
+    for planned in (each for each in shown if issubclass(each.made_by, ShownPass) and each.made_by.takes_out):
+        own = tuple(name for name in planned.reads if name.startswith("client."))
+        steps.append(Step("effects", f"{planned.made_by.name} out", _why(planned, forced), (*PICTURE, *own), PICTURE))
+    steps += [
+        Step("effects", each.made_by.name, _why(each, forced), each.reads, each.made_by.writes) for each in rendered
+    ]
+    no_depth = (
+        (CLIENT_DEPTH in (brings or ()), "it comes with the pictures"),
+        (CLIENT_DEPTH not in chosen_warp.reads, f"warp '{chosen_warp.name}' does not read it"),
+        (not client_geometry, "the client has no geometry to draw it from"),
+    )
+    if not any(holds for holds, _ in no_depth):
+        reason = f"warp '{chosen_warp.name}' reads the client's own depth"
+        steps.append(Step("client_depth", "client_depth", reason, (), (CLIENT_DEPTH,)))
+    left_out += [("client_depth", why) for holds, why in no_depth if holds][:1]
     # Which passes, or which display, read the shown depth.
     readers = [each.entry.name for each in chain if SHOWN_DEPTH in each.entry.reads]
     readers += [planned.made_by.name for planned in shown if SHOWN_DEPTH in planned.reads]
     depth_for = " and ".join(dict.fromkeys([*readers, *([takes_depth] if takes_depth else [])]))
-    beside = depth_for if choice.entry.depth_reads is not None and not fused else ""
-    _plan_warp(choice, chosen_lens if fused else None, follows, beside, draft)
-    if scanout and not follows:
-        draft.leave_out("scan-out", f"warp '{choice.entry.name}' cannot follow it: all rows are shown as in its middle")
+    beside = depth_for if chosen_warp.depth_reads is not None and not fused else ""
+    steps.append(_warp_step(choice, through, scanout, beside))
+    if scanout and not chosen_warp.scans_out:
+        why = f"warp '{chosen_warp.name}' cannot follow it: all rows are shown as in its middle"
+        left_out.append(("scan-out", why))
     if depth_for and not beside:  # a second run of a warp that cannot write it along with the colour
         stage = "fill" if any(SHOWN_DEPTH in each.entry.reads for each in chain) else "effects"
         reason = f"needed by {depth_for}: the rendered depth, warped as the colour is"
-        draft.add(stage, _STEP_SHOWN_DEPTH, reason, PICTURE[1:], (SHOWN_DEPTH,))
-    for fill_choice in chain:
-        entry = fill_choice.entry
-        draft.add("fill", f"fill {fill_choice}", f"chosen: {entry.summary}", entry.reads, entry.writes)
-    if not chain:
-        draft.leave_out("fill", f"fill 'none': {fills.get('none').summary}")
-    _plan_shown(shown, forced, fused, takes_panels, draft)
-    if fused:
-        draft.leave_out("lens", f"warp '{choice}' looks through the lens itself: one resample instead of two")
-    elif chosen_lens.is_pass:
-        draft.add("lens", f"lens {chosen_lens.name}", f"chosen: {chosen_lens.summary}", chosen_lens.reads, (PANEL,))
+        steps.append(Step(stage, _STEP_SHOWN_DEPTH, reason, PICTURE[1:], (SHOWN_DEPTH,)))
+    for fill_choice, entry in ((each, each.entry) for each in chain):
+        steps.append(Step("fill", f"fill {fill_choice}", f"chosen: {entry.summary}", entry.reads, entry.writes))
+    left_out += [] if chain else [("fill", f"fill 'none': {fills.get('none').summary}")]
+    for planned in shown:  # after a fused warp they work on the display's picture
+        some = takes_panels and any(effect.for_display for effect in planned.effects)
+        reason = _why(planned, forced) + (f"; {takes_panels} composes those that nothing hides" if some else "")
+        reads, writes = (
+            tuple(PANEL if fused and name == SHOWN else name for name in names)
+            for names in (planned.reads, planned.made_by.writes)
+        )
+        steps.append(Step("effects", planned.made_by.name, reason, reads, writes))
+    if chosen_lens.is_pass and not fused:
+        reason = f"chosen: {chosen_lens.summary}"
+        steps.append(Step("lens", f"lens {chosen_lens.name}", reason, chosen_lens.reads, (PANEL,)))
     else:
-        untouched = f"{distorts} corrects the lens by itself" if distorts else f"lens 'none': {chosen_lens.summary}"
-        draft.leave_out("lens", untouched)
-    foveated = _plan_foveated(fovea, choice, samples_grid=not passes, draft=draft)
-    _refuse_unwritten(draft.steps, readable_names() if brings is None else brings, client_geometry)
+        why = f"{distorts} corrects the lens by itself" if distorts else f"lens 'none': {chosen_lens.summary}"
+        left_out.append(
+            ("lens", f"warp '{choice}' looks through the lens itself: one resample instead of two" if fused else why)
+        )
+    foveated = _foveated(fovea, choice, steps, left_out, samples_grid=not passes)
+    _refuse_unwritten(steps, readable_names() if brings is None else brings, client_geometry)
     return Plan(
         effects=effects.ordered(effect.name for effect in chosen),
         choice=choice,
         fills=chain,
         lens=chosen_lens,
         fused=fused,
-        scanout=follows,
+        scanout=scanout and chosen_warp.scans_out,
         effect_passes=(*rendered, *shown),
-        steps=tuple(draft.steps),
-        left_out=tuple(draft.left_out),
+        steps=tuple(steps),
+        left_out=tuple(left_out),
         hands_depth_on=bool(takes_depth),
         hands_panels_on=bool(takes_panels) and any(effect.for_display for effect in chosen),
         handed_on=tuple(handed),
@@ -288,18 +302,59 @@ def build_plan(
     )
 
 
-@attrs.define
-class _Draft:
-    """A plan under construction."""
+def _refuse(
+    warp: type[Warp], chain: tuple[Choice[Fill], ...], through: type[LensPass] | None, passes: Sequence[PlannedEffect]
+) -> None:
+    """Raise PlanError for passes that cannot be fused with a lens, and for colours in light."""
+    light = [effect.name for planned in passes if planned.made_by.of_light for effect in planned.effects]
+    colours = [fill for fill in chain if CLIENT_MODEL in fill.entry.reads] if light else []
+    bodies = [each for each in passes if CLIENT_SOFT_BODIES in each.reads] if light else []
+    if through is not None and not warp.fuses:
+        able = "only gather warps can, which ask for every pixel by itself"
+        raise PlanError(f"warp '{warp.name}' cannot be fused with the lens: {able}; leave --fused out")
+    if through is not None and not through.library:
+        remedy = "there is nothing to look through; choose a lens, or leave --fused out"
+        raise PlanError(f"--fused with --lens {through.name}: {remedy}")
+    if through is not None and chain:
+        raise PlanError(
+            f"--fused with --fill {fill_text(chain)}: a fill needs the picture between warp and lens; "
+            "use --fill none, or leave --fused out"
+        )
+    if colours:
+        raise PlanError(
+            f"fill '{colours[0]}' draws the scene in its colours, which --effects {light[0]} would multiply with its "
+            "textures once more: use a fill from pictures, such as pyramid"
+        )
+    if bodies:
+        raise PlanError(
+            f"--effects {bodies[0].effects[0].name} takes the light of what deforms out of colours, and with "
+            f"{light[0]} pictures have none: leave one of them out"
+        )
 
-    steps: list[Step] = attrs.field(factory=list)
-    left_out: list[tuple[str, str]] = attrs.field(factory=list)
 
-    def add(self, stage: str, name: str, reason: str, reads: tuple[str, ...], writes: tuple[str, ...]) -> None:
-        self.steps.append(Step(stage, name, reason, reads, writes))
+def _refuse_unwritten(steps: list[Step], brings: tuple[str, ...], client_geometry: bool) -> None:
+    known = {*brings, *((CLIENT_MODEL, CLIENT_SOFT_BODIES) if client_geometry else ())}
+    for step in steps:
+        if missing := [name for name in step.reads if name not in known]:
+            raise PlanError(f"{step.name} needs {' and '.join(dict.fromkeys(map(_described, missing)))}")
+        known.update(step.writes)
 
-    def leave_out(self, name: str, reason: str) -> None:
-        self.left_out.append((name, reason))
+
+def _warp_step(choice: Choice[Warp], lens: type[LensPass] | None, scanout: bool, depth_for: str) -> Step:
+    """Return the warp, which writes the shown depth too for what is named in depth_for."""
+    warp, reads = choice.entry, choice.entry.reads_for(choice.settings)
+    reason = f"chosen: {warp.summary}" + (
+        "; every row for the instant it lights up" if scanout and warp.scans_out else ""
+    )
+    if lens is not None:
+        reason += f"; fused with the lens: {lens.summary}"
+        return Step("warp", f"warp {choice} + lens {lens.name}", reason, reads, (PANEL,))
+    if older := warp.needs(choice.settings).others.recent:
+        reason += f"; averages the newest frame with up to {older} before it"
+    if depth_for:
+        reason += f"; writes the depth of what it shows for {depth_for}"
+        reads = tuple(dict.fromkeys((*reads, *(warp.depth_reads or ()))))
+    return Step("warp", f"warp {choice}", reason, reads, (SHOWN, SHOWN_DEPTH) if depth_for else (SHOWN,))
 
 
 def _why_not(
@@ -336,82 +391,31 @@ def _why_not(
     return next((why for holds, why in reasons if holds), "")
 
 
-def _plan_client_depth(warp: type[Warp], client_geometry: bool, is_brought: bool, draft: _Draft) -> None:
-    if is_brought:
-        draft.leave_out("client_depth", "it comes with the pictures")
-    elif CLIENT_DEPTH not in warp.reads:
-        draft.leave_out("client_depth", f"warp '{warp.name}' does not read it")
-    elif client_geometry:
-        reason = f"warp '{warp.name}' reads the client's own depth"
-        draft.add("client_depth", "client_depth", reason, (), (CLIENT_DEPTH,))
-    else:
-        draft.leave_out("client_depth", "the client has no geometry to draw it from")
-
-
-def _plan_shown(
-    shown: Sequence[PlannedEffect], forced: Collection[str], fused: bool, takes_panels: str, draft: _Draft
-) -> None:
-    """Add the passes after the fills; after a fused warp they work on the display's picture."""
-    for planned in shown:
-        made_by, reason = planned.made_by, _why(planned, forced)
-        if takes_panels and any(effect.for_display for effect in planned.effects):
-            reason += f"; {takes_panels} composes those that nothing hides"
-        reads, writes = (
-            tuple(PANEL if fused and name == SHOWN else name for name in names)
-            for names in (planned.reads, made_by.writes)
-        )
-        draft.add("effects", made_by.name, reason, reads, writes)
-
-
-def _refuse_unwritten(steps: list[Step], brings: tuple[str, ...], client_geometry: bool) -> None:
-    known = {*brings, *((CLIENT_MODEL, CLIENT_SOFT_BODIES) if client_geometry else ())}
-    for step in steps:
-        if missing := [name for name in step.reads if name not in known]:
-            raise PlanError(f"{step.name} needs {' and '.join(dict.fromkeys(map(_described, missing)))}")
-        known.update(step.writes)
-
-
-def _refuse_colour_in_light(passes: Sequence[PlannedEffect], chain: Sequence[Choice[Fill]]) -> None:
-    light = [effect.name for planned in passes if planned.made_by.of_light for effect in planned.effects]
-    if not light:
-        return
-    for fill in chain:
-        if CLIENT_MODEL in fill.entry.reads:
-            raise PlanError(
-                f"fill '{fill}' draws the scene in its colours, which --effects {light[0]} would multiply with its "
-                "textures once more: use a fill from pictures, such as pyramid"
-            )
-    for each in passes:
-        if CLIENT_SOFT_BODIES in each.reads:
-            raise PlanError(
-                f"--effects {each.effects[0].name} takes the light of what deforms out of colours, and with {light[0]} "
-                "pictures have none: leave one of them out"
-            )
-
-
-def _plan_foveated(fovea: Fovea | None, choice: Choice[Warp], *, samples_grid: bool, draft: _Draft) -> Needs:
+def _foveated(
+    fovea: Fovea | None, choice: Choice[Warp], steps: list[Step], left_out: list[tuple[str, str]], *, samples_grid: bool
+) -> Needs:
     """Let the pictures that steps read come foveated, and be expanded before all of them.
 
     samples_grid: whether nothing warps other pictures along. A warp that alone reads the colour
     then samples it where it lies, if it can.
     """
-    read = {name for step in draft.steps for name in step.reads}
+    read = {name for step in steps for name in step.reads}
     found = [name for name, picture in EXPANDED.items() if picture in read]
     if fovea is None or not found:
         if fovea is not None:
-            draft.leave_out(ExpandPass.name, "nothing reads the picture that would come foveated")
+            left_out.append((ExpandPass.name, "nothing reads the picture that would come foveated"))
         return Needs()
     writes = tuple(EXPANDED[name] for name in found)
-    (warp,) = (number for number, step in enumerate(draft.steps) if step.stage == "warp")
-    readers = [step for step in draft.steps if {*writes} & {*step.reads}]
+    (warp,) = (number for number, step in enumerate(steps) if step.stage == "warp")
+    readers = [step for step in steps if {*writes} & {*step.reads}]
     plain = getattr(choice.settings, "resample", "bilinear") == "bilinear" and choice.entry.samples_grid
-    if samples_grid and plain and readers == [draft.steps[warp]] and found == ["foveated"]:
+    if samples_grid and plain and readers == [steps[warp]] and found == ["foveated"]:
         reads = tuple(readable("foveated") if name in writes else name for name in readers[0].reads)
         told = f"{readers[0].reason}; samples frames that come coarser away from where the eye looks ({fovea})"
-        draft.steps[warp] = attrs.evolve(readers[0], reads=reads, reason=told)
+        steps[warp] = attrs.evolve(readers[0], reads=reads, reason=told)
         return Needs(foveated=fovea)
     reason = f"chosen: frames come coarser away from where the eye looks ({fovea})"
-    draft.steps.insert(0, Step("effects", ExpandPass.name, reason, tuple(map(readable, found)), writes))
+    steps.insert(0, Step("effects", ExpandPass.name, reason, tuple(map(readable, found)), writes))
     return Needs(**dict.fromkeys(found, fovea))
 
 
@@ -420,42 +424,9 @@ def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
     names = [effect.name for effect in planned.effects if effect.name in forced]
     if names and all(effect.by_name_only for effect in planned.effects):
         return f"requested by name: {what}"
-    return (
-        f"the scene calls for it: {what}"
-        if not names
-        else f"forced, though the scene has nothing of {' and '.join(names)}: {what}"
-    )
-
-
-def _plan_warp(choice: Choice[Warp], lens: type[LensPass] | None, follows: bool, depth_for: str, draft: _Draft) -> None:
-    """Add the warp, which writes the shown depth too for what is named in depth_for."""
-    warp, reads = choice.entry, choice.entry.reads_for(choice.settings)
-    reason = f"chosen: {warp.summary}" + ("; every row for the instant it lights up" if follows else "")
-    if lens is None:
-        if older := warp.needs(choice.settings).others.recent:
-            reason += f"; averages the newest frame with up to {older} before it"
-        if depth_for:
-            reason += f"; writes the depth of what it shows for {depth_for}"
-            reads = tuple(dict.fromkeys((*reads, *(warp.depth_reads or ()))))
-        draft.add("warp", f"warp {choice}", reason, reads, (SHOWN, SHOWN_DEPTH) if depth_for else (SHOWN,))
-    else:
-        fused = f"{reason}; fused with the lens: {lens.summary}"
-        draft.add("warp", f"warp {choice} + lens {lens.name}", fused, reads, (PANEL,))
-
-
-def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice[Fill], ...], lens: type[LensPass]) -> None:
-    if not warp.fuses:
-        able = "only gather warps can, which ask for every pixel by itself"
-        raise PlanError(f"warp '{warp.name}' cannot be fused with the lens: {able}; leave --fused out")
-    if not lens.library:
-        raise PlanError(
-            f"--fused with --lens {lens.name}: there is nothing to look through; choose a lens, or leave --fused out"
-        )
-    if chain:
-        raise PlanError(
-            f"--fused with --fill {fill_text(chain)}: a fill needs the picture between warp and lens; "
-            "use --fill none, or leave --fused out"
-        )
+    if names:
+        return f"forced, though the scene has nothing of {' and '.join(names)}: {what}"
+    return f"the scene calls for it: {what}"
 
 
 def _described(name: str) -> str:

@@ -324,7 +324,7 @@ class Headset:
         """Return it set to a distance of the pupils. Errors: InputError outside its range."""
         (least, most), found = (limit * 1e3 for limit in self.ipd_range_m), ipd_m * 1e3
         if not least - 1e-9 <= found <= most + 1e-9:
-            raise InputError(f"--ipd {found:g}: headset '{self.name}' can be set to {least:g} to {most:g} mm")
+            raise InputError(f":ipd={found:g}: headset '{self.name}' can be set to {least:g} to {most:g} mm")
         step = (ipd_m - self.ipd_m) / 2
         moved = [
             attrs.evolve(eye, head_from_eye=Pose((side * step, 0, 0)) @ eye.head_from_eye)

@@ -1,6 +1,5 @@
 from .channel import Changes as Changes
 from .channel import Channel as Channel
-from .channel import ChannelSetup as ChannelSetup
 from .channel import CodedFrame as CodedFrame
 from .channel import Coder as Coder
 from .channel import Reads as Reads

@@ -5,6 +5,7 @@ And how much a new frame would differ, in pixels, from the last one that was sen
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from collections import Counter, deque
@@ -80,17 +81,9 @@ Key = tuple[int, str, int]
 Content = NDArray[Any]
 
 
-@attrs.frozen(eq=False)
-class _Stream:
-    """One texture or array of every frame, coded in the order of drawing."""
-
-    encode: Callable[[Content, bool], Packet]  # given whether the packet must need none before it
-    decode: Callable[[Packet], Content]  # Errors: Undecodable
-
-    @classmethod
-    def of_each(cls, pack: Callable[[Content], bytes], unpack: Callable[[bytes], Content]) -> _Stream:
-        """Return a stream whose packets refer to no other."""
-        return cls(lambda content, key: Packet(0, True, pack(content)), lambda packet: unpack(packet.data))
+# One texture or array of every frame, coded in the order of drawing: encodes, given whether the
+# packet must need none before it, and decodes. Errors: Undecodable.
+_Stream = tuple[Callable[[Content, bool], Packet], Callable[[Packet], Content]]
 
 
 @attrs.frozen(eq=False)
@@ -98,13 +91,13 @@ class CodedFrame:
     """A frame in transit."""
 
     frame: Frame
-    packets: Mapping[Key, Packet] = attrs.field(factory=dict)  # empty where nothing is encoded
+    packets: Mapping[Key, Packet] = {}  # empty where nothing is encoded
     # The packets that the client's plan reads; others are for plans that are compared with it.
     counted: frozenset[Key] = frozenset()
     # What decoded content is written over.
-    into: Mapping[Key, moderngl.Texture | Content] = attrs.field(factory=dict)
+    into: Mapping[Key, moderngl.Texture | Content] = {}
     # The pictures before encoding; kept only where the loss is measured.
-    before: Mapping[Key, NDArray[np.uint8]] = attrs.field(factory=dict)
+    before: Mapping[Key, NDArray[np.uint8]] = {}
 
     @property
     def is_key(self) -> bool:
@@ -113,10 +106,10 @@ class CodedFrame:
 
     def layer_bytes(self) -> Counter[str]:
         """Return the bytes of what is counted, by layer."""
-        out = Counter[str]()
+        sizes = Counter[str]()
         for key in self.counted:
-            out[key[1]] += len(self.packets[key].data)
-        return out
+            sizes[key[1]] += len(self.packets[key].data)
+        return sizes
 
 
 class Coder:
@@ -131,7 +124,7 @@ class Coder:
     def __init__(self, coding: Coding, rate_hz: float, age_s: float) -> None:
         self._coding, self._rate_hz, self._age_s = coding, rate_hz, age_s
         self._streams: dict[Key, _Stream] = {}
-        self._encoded = 0
+        self._encoded = itertools.count()
         self._encode_ms, self._decode_ms, self._lost_db = (deque[float](maxlen=_KEPT) for _ in range(3))
 
     @classmethod
@@ -145,25 +138,25 @@ class Coder:
         beside: what is read for comparison; it is coded too, and takes no time and no bytes.
         """
         counted = frozenset(_parts(frame, reads))
-        parts = _parts(frame, reads | beside if beside is not None else reads)
+        parts = _parts(frame, reads | (beside or Reads()))
         drawn = {key: into if isinstance(into, np.ndarray) else download(into) for key, (into, _) in parts.items()}
         pixels = {key: drawn[key].size if coding in _VIDEOS else 0 for key, (_, coding) in parts.items()}
-        streams, step = self._streams, codec.STEP
-        if self._coding.depth != codec.EXACT:
-            step = codec.depth_step(pixels_per_tangent((eye.view.fov, eye.size) for eye in frame.eyes), self._age_s)
+        streams, step = (
+            self._streams,
+            depth_step(self._coding, [(eye.view.fov, eye.size) for eye in frame.eyes], self._age_s),
+        )
         for key in parts.keys() - streams.keys():
             of_eye = sum(count for other, count in pixels.items() if other[0] == key[0])
             streams[key] = self._stream(drawn[key], parts[key][1], pixels[key] / max(of_eye, 1), step)
         packets, took_ms = {}, 0.0
         for key, content in drawn.items():
             started = time.perf_counter_ns()
-            packets[key] = streams[key].encode(content, wants_key)
+            packets[key] = streams[key][0](content, wants_key)
             took_ms += (time.perf_counter_ns() - started) * 1e-6 if key in counted else 0
         frame.timings_ms["encode"] = took_ms
         self._encode_ms.append(took_ms)
-        looked_at = counted if self._encoded % _LOOK_EVERY == 0 else ()
+        looked_at = counted if next(self._encoded) % _LOOK_EVERY == 0 else ()
         before = {key: picture_from_linear(drawn[key]) for key in looked_at if pixels[key]}
-        self._encoded += 1
         # Half a step, and as video for 98 % of pixels two.
         error = 2 * step if self._coding.depth in codec.DEPTH_VIDEOS else step / 2
         frame = attrs.evolve(frame, eyes=tuple(attrs.evolve(eye, depth_error=error) for eye in frame.eyes))
@@ -177,7 +170,7 @@ class Coder:
             started = time.perf_counter_ns()
             # Each stream gets its packet, whatever has become of the others.
             with suppress(Undecodable):
-                arrived[key] = self._streams[key].decode(packet)
+                arrived[key] = self._streams[key][1](packet)
             took_ms += (time.perf_counter_ns() - started) * 1e-6 if key in coded.counted else 0
         if len(arrived) < len(coded.packets):
             return False
@@ -204,21 +197,22 @@ class Coder:
 
     def _stream(self, drawn: Content, coding: str, share: float, step: float) -> _Stream:
         """Return a new stream. share: of its eye's bit rate."""
-        size, asked = drawn.shape[1::-1], self._coding
+        size, asked, rate_hz = drawn.shape[1::-1], self._coding, self._rate_hz
         if coding == DEPTH and (how := codec.DEPTH_VIDEOS.get(asked.depth)) is not None:
-            video = codec.DepthVideoEncoder(size, self._rate_hz, step, how)
-            return _Stream(video.encode, codec.DepthVideoDecoder(size, how).decode)
+            return codec.DepthVideoEncoder(size, rate_hz, step, how).encode, codec.DepthVideoDecoder(size, how).decode
+        if coding in _VIDEOS:
+            mbit = None if asked.bitrate_mbit is None else max(_LEAST_MBIT, share * asked.bitrate_mbit)
+            quality: dict[str, Any] = {"crf": asked.crf, "bitrate_mbit": mbit, "keeps_beyond_1": coding == BRIGHT_VIDEO}
+            return codec.Encoder(asked.codec, size, rate_hz, **quality).encode, codec.Decoder(asked.codec, size).decode
+        # Packets of all else refer to no other.
+        pack: Callable[[Content], bytes] = codec.pack
+        unpack: Callable[[bytes], Content] = codec.unpack
         if coding == DEPTH:
-            return _Stream.of_each(codec.DepthEncoder(size, step).encode, codec.DepthDecoder(size).decode)
-        if coding == VECTORS:
-            how_large = size, drawn.shape[2]
-            return _Stream.of_each(codec.VectorEncoder(*how_large).encode, codec.VectorDecoder(*how_large).decode)
-        if coding not in _VIDEOS:
-            return _Stream.of_each(codec.pack, codec.unpack)
-        rate = None if asked.bitrate_mbit is None else max(_LEAST_MBIT, share * asked.bitrate_mbit)
-        quality: dict[str, Any] = {"crf": asked.crf, "bitrate_mbit": rate}
-        encoder = codec.Encoder(asked.codec, size, self._rate_hz, **quality, keeps_beyond_1=coding == BRIGHT_VIDEO)
-        return _Stream(encoder.encode, codec.Decoder(asked.codec, size).decode)
+            pack, unpack = codec.DepthEncoder(size, step).encode, codec.DepthDecoder(size).decode
+        elif coding == VECTORS:
+            channels = drawn.shape[2]
+            pack, unpack = codec.VectorEncoder(size, channels).encode, codec.VectorDecoder(size, channels).decode
+        return lambda content, key: Packet(0, True, pack(content)), lambda packet: unpack(packet.data)
 
 
 def _parts(frame: Frame, reads: Reads) -> dict[Key, tuple[moderngl.Texture | Content, str]]:
@@ -231,10 +225,13 @@ def _parts(frame: Frame, reads: Reads) -> dict[Key, tuple[moderngl.Texture | Con
     }
 
 
-def pixels_per_tangent(pictures: Iterable[tuple[Fov, tuple[int, int]]]) -> float:
-    """Return how densely pictures of a field of view and size are drawn: of both axes the most."""
+def depth_step(coding: Coding, pictures: Iterable[tuple[Fov, tuple[int, int]]], age_s: float) -> float:
+    """Return the step of coded depth; pictures: field of view and size, the densest counts."""
+    if coding.depth == codec.EXACT:
+        return codec.STEP
     sides = ((size, fov.tangents) for fov, size in pictures)
-    return float(max(max(w / (right - left), h / (up - down)) for (w, h), (left, right, down, up) in sides))
+    densest = max(max(w / (right - left), h / (up - down)) for (w, h), (left, right, down, up) in sides)
+    return codec.depth_step(float(densest), age_s)
 
 
 # A frame is sent if something may have moved by more than this.
@@ -283,9 +280,8 @@ class Changes:
             by_head = WarpMap.between(eye.view, eye.size, View(view.pose, eye.view.fov), eye.size)
             pixels = np.stack(np.meshgrid(*(np.linspace(0.0, side, _LINES) for side in eye.size)), axis=-1)
             for depth in (0.0, nearest):
-                end = by_head.apply(pixels, np.full(pixels.shape[:2], depth))[0]
-                far = float(np.linalg.norm(end - pixels, axis=-1).max())
-                moved = max(moved, far if math.isfinite(far) else math.inf)
+                ways = by_head.apply(pixels, np.full(pixels.shape[:2], depth))[0] - pixels
+                moved = max(moved, float(np.nan_to_num(np.linalg.norm(ways, axis=-1), nan=math.inf).max()))
         return moved
 
     def state_at(self, time_ns: int) -> tuple[object, ...]:
@@ -300,19 +296,9 @@ class Changes:
         return self._content(time_ns), poses, soft, panels, lamps, stopped
 
 
-@attrs.frozen(eq=False)
-class ChannelSetup:
-    """What a channel is made for: the network, what is coded, and who gets the frames."""
-
-    network: LinkOptions
-    latency_ns: int
-    rate_hz: float  # refresh rate of the display
-    coder: Coder | None = None  # None for frames that arrive as drawn
-    reads: Reads = Reads()  # what the client reads of a frame; no other layer is coded or counted
-    # Called with each frame that the client used and no longer needs.
-    offer: Callable[[Frame], None] = lambda frame: None  # noqa: E731
-    # Called with a frame, whether it arrived, and when the sender hears of it.
-    settled: Callable[[Frame, bool, int], None] = lambda frame, arrived, heard_ns: None  # noqa: E731
+# The network's options, its latency in ns, the display's refresh rate, and what codes the frames;
+# None for frames that arrive as drawn.
+Way = tuple[LinkOptions, int, float, Coder | None]
 
 
 class Channel:
@@ -323,31 +309,41 @@ class Channel:
     server that is still at work on a frame, or whose client is, draws none: the slowest stage sets
     the pace.
 
-    recycle: called with each frame that the client never used. callbacks: of the Link, in place of
-    those for frames that are coded here.
+    reads: what the client reads of a frame; no other layer is coded or counted. offer, recycle:
+    called with each frame that the client no longer needs, and that it never used. tell: called
+    with a frame, whether it arrived, and when the sender hears of it. callbacks: of the Link, in
+    place of those for frames that are coded here.
     """
 
-    def __init__(self, setup: ChannelSetup, recycle: Callable[[Frame], None], **callbacks: Any) -> None:
-        network, self._coder, rate_hz = setup.network, setup.coder, setup.rate_hz
-        self._reads, self._beside = setup.reads, Reads()
-        self.latency_ns = setup.latency_ns
+    def __init__(
+        self,
+        recycle: Callable[[Frame], None],
+        way: Way,
+        reads: Reads,
+        offer: Callable[[Frame], None],
+        tell: Callable[[Frame, bool, int], None],
+        **callbacks: Any,
+    ) -> None:
+        network, self.latency_ns, rate_hz, self._coder = way
+        self._reads, self._beside = reads, Reads()
         self._pacer = Pacer(network.server_rate_hz, rate_hz)
         # Whether stages delay a frame; how long the last one was decoded; and when the server can
         # draw again.
         self._sums, self._decode_ns, self._free_ns = network.response == SUM, 0, -math.inf
-        self._refreshes = self._frames = self._skipped = self._unchanged = self._eyes = 0
+        self._refreshes = self._frames = self._skipped = self._eyes = 0
+        self.unchanged = 0  # frames that were not drawn, because nothing would have changed
         self._bytes = Counter[str]()
         self._weights: dict[object, Counter[str]] = {}  # of frames that have pictures alone
         # Summary of what stands before this link, given the refreshes per second.
         self.before: Callable[[float], dict[str, Any]] | None = None
         how: dict[str, Any] = {
-            "discard": lambda coded: setup.offer(coded.frame),
+            "discard": lambda coded: offer(coded.frame),
             "wasted": lambda coded: recycle(coded.frame),
             "receive": self._coder.receive if self._coder is not None else None,
             "decoding": self._decoding,
-            "settled": lambda coded, arrived, heard_ns: setup.settled(coded.frame, arrived, heard_ns),
+            "settled": lambda coded, arrived, heard_ns: tell(coded.frame, arrived, heard_ns),
         }
-        self.link: Link[Any] = network.link(setup.latency_ns, **how | callbacks)
+        self.link: Link[Any] = network.link(self.latency_ns, **how | callbacks)
 
     def retime(self, network: LinkOptions, latency_ns: int) -> None:
         """Set the latency of frames sent from now on; those in transit keep theirs.
@@ -377,14 +373,6 @@ class Channel:
         self._skipped += is_busy
         return is_busy
 
-    def has_to_send(self, now_ns: int) -> bool:
-        """Return whether a frame is wanted even if nothing moved: one is missing."""
-        return self.link.needs_key(now_ns)
-
-    def leave_out(self, now_ns: int) -> None:
-        """Count a frame that was not drawn, because nothing would have changed."""
-        self._unchanged += 1
-
     def send(self, frame: Frame, now_ns: int) -> None:
         """Send a frame from the server."""
         self._eyes = len(frame.eyes)
@@ -398,7 +386,7 @@ class Channel:
         self._bytes.update(sizes)
         render_ns = encode_ns = 0
         if self._sums:  # they delay the frame, and keep the server busy
-            render_ns, encode_ns = (round(ms * 1e6) for ms in (frame.render_ms, frame.timings_ms.get("encode", 0.0)))
+            render_ns, encode_ns = round(frame.render_ms * 1e6), round(frame.timings_ms.get("encode", 0.0) * 1e6)
             self._free_ns = now_ns + max(render_ns, encode_ns, self._decode_ns)
         self.link.send(coded, now_ns, sizes.total(), coded.is_key, render_ns, encode_ns)
 
@@ -434,7 +422,7 @@ class Channel:
 
     def fates(self) -> dict[str, int]:
         """Return what became of every frame, and of the instants at which none was drawn."""
-        return {**self.link.tally.as_dict(), "skipped": self._skipped, "unchanged": self._unchanged}
+        return {**self.link.tally.as_dict(), "skipped": self._skipped, "unchanged": self.unchanged}
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
         """Return the `link` of summary.json: frames, Mbit/s, time and loss of the codec.
@@ -448,7 +436,7 @@ class Channel:
             "layers_mbit_s": {name: count * megabits for name, count in self._bytes.most_common()},
             "frame_bytes": self._bytes.total() / max(self._frames, 1),
             # What asks for a frame, or finds that nothing has changed, as the feed writes it.
-            "up_mbit_s": (self._frames + self._unchanged) * request_bytes(self._eyes) * megabits,
+            "up_mbit_s": (self._frames + self.unchanged) * request_bytes(self._eyes) * megabits,
             **(self._coder.summary() if self._coder is not None else {"codec": "none"}),
             **({"proxy": self.before(rate_hz)} if self.before is not None else {}),
         }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -24,7 +24,7 @@ from ..sources.feed import bounds, message
 from ..sources.feed.message import Ask, DepthCodes, FrameMessage, Picture, Wish
 from ..sources.feed.parts import BadPart, Layers, Packed, Wanted, packed, unpacked_bytes
 from ..sources.server import Renderer
-from .channel import pixels_per_tangent
+from .channel import depth_step
 
 Array = NDArray[np.float64]
 # Scale and offset of the vectors' x, y, z; metres at z = 0 and at z = 1; seconds since the frame
@@ -203,17 +203,17 @@ def parts_of(frame: Frame, needs: Needs, *, packs: bool) -> tuple[Layers, ...]:
 
     packs: without loss, for a slow network.
     """
-
-    def parts(layer: type[Layer], data: Any) -> list[NDArray[Any] | Packed]:
-        drawn = [one.reshape(1, -1) if isinstance(one, np.ndarray) else download(one) for one in layer.sent(data)]
-        numbers = layer.numbers(data)
-        found: list[NDArray[Any] | Packed] = [packed(picture) if packs else picture for picture in drawn]
-        return [*found, *([numbers] if numbers is not None else [] if drawn else [_NOTHING])]
-
-    return tuple(
-        {name: parts(layers.get(name), eye[name]) for name in needs if not (number and layers.get(name).per_frame)}
-        for number, eye in enumerate(frame.eyes)
-    )
+    found = tuple(dict[str, list[NDArray[Any] | Packed]]() for _ in frame.eyes)
+    for (number, eye), name in itertools.product(enumerate(frame.eyes), needs):
+        layer = layers.get(name)
+        if not (number and layer.per_frame):
+            drawn = [
+                one.reshape(1, -1) if isinstance(one, np.ndarray) else download(one) for one in layer.sent(eye[name])
+            ]
+            numbers = layer.numbers(eye[name])
+            rest = [numbers] if numbers is not None else [] if drawn else [_NOTHING]
+            found[number][name] = [*(packed(picture) if packs else picture for picture in drawn), *rest]
+    return found
 
 
 def unpacked(frame: FrameMessage) -> FrameMessage:
@@ -305,24 +305,22 @@ def _misfits_of(layer: type[Layer], formats: Sequence[str], parts: list[Any], si
 
 def made(server: Renderer, eyes: Sequence[EyeImage], parts: Sequence[Layers], wanted: Wanted | None) -> list[EyeImage]:
     """Return the eyes with the wanted layers, in textures of the server's pools."""
-
-    def data_of(layer: type[Layer], amount: Any, parts: Sequence[Any], drawn_ns: int) -> Any:
-        formats, sent = layer.pictures(amount), list[Any]()
-        for one, form in zip(parts, formats, strict=False):
-            if form == BYTES:
-                sent.append(one.ravel())
-                continue
-            sent.append(server.acquire(one.shape[1::-1], _KINDS[form], depth=False).colour)
-            upload(sent[-1], one)
-        return layer.made(sent, parts[-1] if len(parts) > len(formats) else None, amount, drawn_ns)
-
     shared, found = dict[str, Any](), []
     for eye, of_eye in zip(eyes, parts, strict=True):
         own = dict[str, Any]()
         for name, amount in _amounts(wanted).items():
-            layer = layers.get(name)
-            if name not in shared:
-                (shared if layer.per_frame else own)[name] = data_of(layer, amount, of_eye[name], eye.drawn_ns)
+            layer, sent = layers.get(name), list[Any]()
+            if name in shared:
+                continue
+            formats, sides = layer.pictures(amount), list[Any](of_eye[name])
+            for one, form in zip(sides, formats, strict=False):
+                if form == BYTES:
+                    sent.append(one.ravel())
+                else:
+                    sent.append(server.acquire(one.shape[1::-1], _KINDS[form], depth=False).colour)
+                    upload(sent[-1], one)
+            numbers = sides[-1] if len(sides) > len(formats) else None
+            (shared if layer.per_frame else own)[name] = layer.made(sent, numbers, amount, eye.drawn_ns)
         found.append(eye.having(**shared, **own))
     return found
 
@@ -355,19 +353,11 @@ def wish_of(
     """
     if codec.codecs.get(coding.codec).is_none:
         return attrs.evolve(raw, rate_hz=rate_hz)
-    step = (
-        codec.STEP
-        if coding.depth == codec.EXACT
-        else codec.depth_step(pixels_per_tangent((view.fov, size) for view in views), age_s)
-    )
-    return Wish(
-        _FORMATS[coding.codec],
+    depth, step = (
         _DEPTHS.get(coding.depth, message.DEPTH_EXACT),
-        coding.crf,
-        rate_hz,
-        coding.bitrate_mbit or 0.0,
-        step,
+        depth_step(coding, [(view.fov, size) for view in views], age_s),
     )
+    return Wish(_FORMATS[coding.codec], depth, coding.crf, rate_hz, coding.bitrate_mbit or 0.0, step)
 
 
 def left_out(frame: FrameMessage, eye: int) -> frozenset[str]:
@@ -431,7 +421,9 @@ class FeedEncoder:
 
     def __init__(self, ask: Ask) -> None:
         self.wish, self.size, self._place = ask.wish, ask.size, 0
-        self._eyes = [_EyeEncoder(ask.wish, ask.size) for _ in ask.views]
+        self._eyes = [_encoders(ask.wish, ask.size) for _ in ask.views]
+        # Powers of 2 beyond 1 that the bytes of each eye's light reach; see bytes_from_light.
+        self._stops = [0] * len(ask.views)
         # That its encoders hold, about.
         self.bytes = _of_all_pixels(ask, _BYTES)
 
@@ -442,17 +434,24 @@ class FeedEncoder:
     def encode(self, frame: FrameMessage) -> FrameMessage:
         """Return the frame, coded: the next of its stream."""
         place, self._place = self._place, self._place + 1
-        sides = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
-        colours, depths = zip(*(eye.encode(colour, depth, not place) for eye, colour, depth in sides), strict=True)
-        layers = [dict(of_eye) for of_eye in frame.layers]
-        for of_eye, eye in zip(layers, self._eyes, strict=False):
-            if LIGHT in of_eye and eye.stops:
-                of_eye[LIGHT] = [np.array([[eye.stops]], np.float64)]
+        colours, depths, layers = list[Any](), list[Any](), [dict(of_eye) for of_eye in frame.layers]
+        for eye, (of_colour, of_depth) in enumerate(self._eyes):
+            colour: Any = frame.colours[eye]
+            if of_colour is not None:
+                if colour.dtype == np.float16:
+                    light = np.ascontiguousarray(colour[..., :3])
+                    self._stops[eye] = max(codec.stops_of(light), self._stops[eye])
+                    colour = codec.bytes_from_light(light, self._stops[eye])
+                colour, _ = of_colour.encode(colour[..., :3], not place)
+            colours.append(colour)
+            depths.append(of_depth(frame.inverse_depths[eye]))
+            if self._stops[eye] and eye < len(layers) and LIGHT in layers[eye]:
+                layers[eye][LIGHT] = [np.array([[self._stops[eye]]], np.float64)]
         return attrs.evolve(
             frame,
             layers=tuple(layers),
-            colours=colours,
-            inverse_depths=depths,
+            colours=tuple(colours),
+            inverse_depths=tuple(depths),
             colour=self.wish.colour or message.RGBA16F,
             depth=self.wish.depth or message.INVERSE_DEPTH,
             coded_size=self.size,
@@ -461,32 +460,16 @@ class FeedEncoder:
         )
 
 
-class _EyeEncoder:
-    def __init__(self, wish: Wish, size: tuple[int, int]) -> None:
-        self._colour: codec.ColourEncoder | None = None
-        self._depth: codec.DepthVideoEncoder | codec.DepthEncoder | None = None
-        if wish.colour in CODECS:
-            how, mbit = codec.codecs.get(CODECS[wish.colour]), wish.bitrate_mbit or None
-            self._colour = codec.ColourEncoder(how, size, wish.rate_hz, wish.crf, mbit)
-        step = wish.depth_step or codec.STEP
-        if wish.depth in _VIDEOS:
-            self._depth = codec.DepthVideoEncoder(size, wish.rate_hz, step, _VIDEOS[wish.depth])
-        elif wish.depth == message.DEPTH_EXACT:
-            self._depth = codec.DepthEncoder(size, step)
-        # Powers of 2 beyond 1 that the bytes of light reach; see bytes_from_light.
-        self.stops = 0
-
-    def encode(self, colour: Any, depth: Any, key: bool) -> tuple[Any, Any]:
-        if self._colour is not None:
-            if colour.dtype == np.float16:
-                light = np.ascontiguousarray(colour[..., :3])
-                self.stops = max(codec.stops_of(light), self.stops)
-                colour = codec.bytes_from_light(light, self.stops)
-            colour, _ = self._colour.encode(colour[..., :3], key)
-        if self._depth is not None:
-            coded = self._depth.encode(depth)
-            depth = coded.data if isinstance(coded, Packet) else coded
-        return colour, depth
+def _encoders(wish: Wish, size: tuple[int, int]) -> tuple[codec.ColourEncoder | None, Callable[[Any], Any]]:
+    """Return what codes an eye's colour, None where it goes as it is, and its depth."""
+    colour, step = None, wish.depth_step or codec.STEP
+    if wish.colour in CODECS:
+        how, mbit = codec.codecs.get(CODECS[wish.colour]), wish.bitrate_mbit or None
+        colour = codec.ColourEncoder(how, size, wish.rate_hz, wish.crf, mbit)
+    if wish.depth in _VIDEOS:
+        video = codec.DepthVideoEncoder(size, wish.rate_hz, step, _VIDEOS[wish.depth])
+        return colour, lambda depth: video.encode(depth).data
+    return colour, codec.DepthEncoder(size, step).encode if wish.depth == message.DEPTH_EXACT else lambda depth: depth
 
 
 class FeedDecoder:
@@ -521,13 +504,12 @@ class FeedDecoder:
         return attrs.evolve(found, colours=tuple(colours))
 
     def _decoded(self, frame: FrameMessage) -> FrameMessage:
+        self.wants_anew = frame.is_coded
         if not frame.is_coded:
-            self.wants_anew = False
             return frame
         coded_as = frame.colour, frame.depth, frame.size, len(frame.views)
         if frame.begins and self._coded_as != coded_as:
             self._eyes, self._coded_as = [_EyeDecoder(frame) for _ in frame.views], coded_as
-        self.wants_anew = True
         if self._coded_as != coded_as:
             raise Undecodable("another format, size or number of eyes than where the stream began")
         sides = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
@@ -538,9 +520,8 @@ class FeedDecoder:
 
 class _EyeDecoder:
     def __init__(self, frame: FrameMessage) -> None:
-        self._colour = (
-            codec.ColourDecoder(codec.codecs.get(CODECS[frame.colour]), frame.size) if frame.colour in CODECS else None
-        )
+        how = codec.codecs.get(CODECS[frame.colour]) if frame.colour in CODECS else None
+        self._colour = codec.ColourDecoder(how, frame.size) if how is not None else None
         self._video = codec.DepthVideoDecoder(frame.size, _VIDEOS[frame.depth]) if frame.depth in _VIDEOS else None
         self._depth = codec.DepthDecoder(frame.size)
 

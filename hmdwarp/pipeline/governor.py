@@ -5,6 +5,7 @@ Pure: it reads neither clock nor GPU. Time counts in refreshes.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence
@@ -40,8 +41,7 @@ SETTLING = 2  # refreshes to ignore after a switch, which disturbs their times
 class Change:
     """A switch from one level to another."""
 
-    # The refresh after which it was decided, counted from 0.
-    refresh: int
+    refresh: int  # the refresh after which it was decided, counted from 0
     before: QualityLevel
     after: QualityLevel
     reason: str  # the reason, in words with figures
@@ -52,8 +52,7 @@ class _Stay:
     """Evidence since the last switch."""
 
     room: list[int]  # for how many refreshes each level has had headroom
-    # First refresh at the level.
-    arrived: int = 0
+    arrived: int = 0  # first refresh at the level
     climbed: bool = False
     window: deque[float] = attrs.field(factory=lambda: deque(maxlen=WINDOW))
     evidence: float = 0.0
@@ -64,6 +63,7 @@ class _Stay:
 class Governor:
     """Choose the level to run from the levels, the budget and the time of each refresh.
 
+    levels: from the cheapest to the most accurate, as levels_from returns them. budget_ms: per eye.
     It starts at the most accurate level within the budget. `level` is the one to run now; pass
     measured() its time, the worse eye of each refresh.
 
@@ -78,13 +78,9 @@ class Governor:
     """
 
     def __init__(self, levels: tuple[QualityLevel, ...], budget_ms: float) -> None:
-        """Start at the most accurate level within the budget.
-
-        levels: From cheapest to most accurate, as levels_from returns them. budget_ms: per eye.
-        """
-        times, errors = [r.total_ms for r in levels], [r.error for r in levels]
-        dearer = all(0 < a < b for a, b in zip([1e-300, *times], times, strict=False))
-        if not levels or not dearer or any(a <= b for a, b in zip(errors, errors[1:], strict=False)):
+        pairs = list(itertools.pairwise(levels))
+        ordered = all(a.total_ms < b.total_ms and a.error > b.error for a, b in pairs)
+        if not levels or not 0 < levels[0].total_ms < math.inf or not ordered:
             raise HmdwarpError(
                 f"expected levels that each take longer and err less than the one before, not {list(map(str, levels))}"
             )
@@ -100,10 +96,7 @@ class Governor:
         return self.levels[self._at]
 
     def measured(self, total_ms: float) -> Change | None:
-        """Count the time of the refresh just shown.
-
-        Return the switch to make at the next refresh, if any.
-        """
+        """Count the time of the refresh just shown; return the switch to make next, if any."""
         if not (math.isfinite(total_ms) and total_ms >= 0):
             raise HmdwarpError(f"a refresh took {total_ms} ms: expected a finite time from 0")
         stay = self._stay
@@ -132,11 +125,9 @@ class Governor:
                 self._failures[self._at] = max(0, failures - 1)
             else:
                 self._failures[self._at :] = [max(failures + 1, f) for f in self._failures[self._at :]]
-        fate = f"{self.levels[to]} is expected to take {expected[to]:.2f} ms"
-        fate += ", the least there is" if expected[to] > self.budget_ms else ""
-        return self._change(
-            to, f"{self.level} takes {time_ms:.2f} ms, over the budget of {self.budget_ms:g} ms; {fate}"
-        )
+        least = ", the least there is" if expected[to] > self.budget_ms else ""
+        over = f"{self.level} takes {time_ms:.2f} ms, over the budget of {self.budget_ms:g} ms"
+        return self._change(to, f"{over}; {self.levels[to]} is expected to take {expected[to]:.2f} ms{least}")
 
     def _up(self, time_ms: float) -> Change | None:
         room, expected, ready = self._stay.room, self._expected(time_ms), []
@@ -165,9 +156,7 @@ class Governor:
 
 
 class AdaptiveCompensator:
-    """One compensator for each quality level; the governor chooses which one runs.
-
-    Drop-in for a Compensator.
+    """One compensator for each quality level, of which the governor chooses; as one Compensator.
 
     Frames carry what any of the levels needs. All levels are compiled and allocated at the start,
     so that a switch costs nothing at the refresh where it happens. Both eyes switch together.

@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from statistics import fmean
 from typing import Any
 
 import attrs
@@ -62,40 +63,26 @@ def levels_from(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
         raise InputError(
             "no combination of warp and fill was measured with a time and a FLIP: run the benchmark with both"
         )
-    most = max(_pixels(row) for row, _ in measured)
-    measured = [each for each in measured if _pixels(each[0]) == most]
+    most = max(math.prod(row["size"]) for row, _ in measured)
     # Times of two machines are not comparable.
-    host = Counter(_host(row) for row, _ in measured).most_common(1)[0][0]
+    hosts = [(row.get("machine") or {}).get("host") for row, _ in measured if math.prod(row["size"]) == most]
+    host = Counter(hosts).most_common(1)[0][0]
     combined: dict[tuple[str, str], dict[tuple[Any, ...], list[Figures]]] = {}
     for row, figures in measured:
-        if _host(row) == host:
+        if math.prod(row["size"]) == most and (row.get("machine") or {}).get("host") == host:
             case = tuple(tuple(value) if isinstance(value := row.get(key), list) else value for key in _CASE)
             combined.setdefault((row["warp"], row["fill"]), {}).setdefault(case, []).append(figures)
     shared = set.intersection(*(set(cases) for cases in combined.values()))
     if not shared:
         raise InputError(
             f"the {len(combined)} combinations of warp and fill were measured in no common case, so they cannot be "
-            "compared: "
-            "measure all of them with the same traces, scenes and latencies"
+            "compared: measure all of them with the same traces, scenes and latencies"
         )
-    levels = []
+    levels = []  # fmean: no mean depends on the order of the rows
     for (warp, fill), cases in combined.items():
         times, errors, psnr = zip(*(figures for case in shared for figures in cases[case]), strict=True)
-        levels.append(QualityLevel(warp, fill, _mean(times), _mean(errors), None if None in psnr else _mean(psnr)))
+        levels.append(QualityLevel(warp, fill, fmean(times), fmean(errors), None if None in psnr else fmean(psnr)))
     return front(levels)
-
-
-def _pixels(row: Row) -> int:
-    return int(row["size"][0] * row["size"][1])
-
-
-def _host(row: Row) -> Any:
-    return (row.get("machine") or {}).get("host")
-
-
-def _mean(values: tuple[float, ...]) -> float:
-    # fsum: the mean must not depend on the order of the rows.
-    return math.fsum(values) / len(values)
 
 
 def best_within(levels: tuple[QualityLevel, ...], budget_ms: float | None, name: str = "--budget") -> int:
@@ -127,11 +114,11 @@ def check_budget(budget_ms: float | None, name: str) -> float:
 
 def front(levels: list[QualityLevel]) -> tuple[QualityLevel, ...]:
     """Return those that nothing as cheap is more accurate than, from the cheapest on."""
-    front: list[QualityLevel] = []
-    for level in sorted(levels, key=lambda r: (r.total_ms, r.error, r.warp, r.fill)):
-        if not front or level.error < front[-1].error:
-            front.append(level)
-    return tuple(front)
+    found: list[QualityLevel] = []
+    for level in sorted(levels, key=lambda one: (one.total_ms, one.error, one.warp, one.fill)):
+        if not found or level.error < found[-1].error:
+            found.append(level)
+    return tuple(found)
 
 
 def read_rows(path: Path) -> list[Row]:

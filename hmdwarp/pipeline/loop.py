@@ -90,13 +90,13 @@ class Loop:
                 head = self._requested.for_server(instant_ns)
                 if (
                     self._changes is None
-                    or self._channel.has_to_send(instant_ns)
+                    or self._channel.link.needs_key(instant_ns)  # one is missing
                     or self.source.has_more(instant_ns)
                     or self._changes.moved_px(self._eyes.views(head.pose), instant_ns) > SEEN_PX
                 ):
                     self._draw(head, instant_ns)
                 else:
-                    self._channel.leave_out(instant_ns)
+                    self._channel.unchanged += 1
 
     def draw_at(self, now_ns: int) -> None:
         """Draw all eyes for the head pose at `now_ns`, and send the frame."""
@@ -104,11 +104,10 @@ class Loop:
 
     def _draw(self, head: PoseSample, now_ns: int) -> None:
         frame = self.source.draw(head, now_ns)
-        if frame is None:
-            return
-        if self._changes is not None:
+        if frame is not None and self._changes is not None:
             self._changes.sent(frame)
-        self._channel.send(frame, now_ns)
+        if frame is not None:
+            self._channel.send(frame, now_ns)
 
     def show(self, shown_ns: int) -> Refresh | None:
         """Warp the newest frame that has arrived to the head pose at `shown_ns`.

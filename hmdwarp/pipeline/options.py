@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -23,7 +24,6 @@ from ..options import (
     Declared,
     Guard,
     Number,
-    Option,
     as_path,
     group,
     guard_band,
@@ -207,19 +207,13 @@ def _warp_name(value: str) -> str:
     return value
 
 
-HELD_GAZE, PREDICTED_GAZE = "held", "predicted"
 # Headings of options in help.
-_AUTOMATIC, _RENDERING, DISPLAYED = "Choosing warp and fill", "Rendering", "Display"
+_RENDERING, DISPLAYED = "Rendering", "Display"
 RECORDED = SequenceOptions.heading
+_choosing = partial(option, heading="Choosing warp and fill")
+_rendering, _displayed = partial(option, heading=_RENDERING), partial(option, heading=DISPLAYED)
 # Depth of a pixel of several samples.
 MOST_SAMPLES = 16
-_IPD = Option(
-    "Millimetres between the pupils, within the headset's range; by default the headset's own.",
-    float,
-    name="ipd",
-    unit="mm",
-    study=DISPLAY,
-)
 
 
 @attrs.frozen
@@ -239,7 +233,6 @@ class PipelineOptions(Declared):
         study=PICTURE,
         names_files=True,
     )
-    # Where the scene is a file.
     scene_options: SceneOptions = group(SceneOptions)
     frames: Path | None = option(
         None,
@@ -261,18 +254,16 @@ class PipelineOptions(Declared):
         study=DISPLAY,
         heading=RECORDED,
     )
-    # From drawing a frame to showing it.
     latency_ms: float = option(
         200.0,
         "Milliseconds from drawing a frame to showing it; with a proxy, from the proxy's picture on.",
         valid=Number(),
     )
     # "" for a client that can run everything; warp "auto" takes the client "picture".
-    client: str = option(
+    client: str = _choosing(
         "",
         f"What the client can do: {names_in('client/classes', '*.toml')}, or a .toml file; what it lacks is refused, "
         "and never chosen. By default all, and picture where --warp auto chooses.",
-        heading=_AUTOMATIC,
     )
     # With settings after a colon; "" for none by name. It sets other options, see values_of.
     strategy: str = option(
@@ -287,19 +278,14 @@ class PipelineOptions(Declared):
         default=None,
         convert=_warp_name,
     )
-    # Per eye; for warp "auto" only, which takes the most accurate warp and fill within it.
-    budget_ms: float | None = option(
-        None, "Milliseconds for one eye that --warp auto keeps to.", valid=Number(above=True), heading=_AUTOMATIC
+    budget_ms: float | None = _choosing(
+        None, "Milliseconds for one eye that --warp auto keeps to.", valid=Number(above=True)
     )
-    # The bench.json that warp "auto" chooses from; None measures all warps on the run's own frames
-    # first.
-    bench: Path | None = option(
+    bench: Path | None = _choosing(
         None,
         "bench.json that --warp auto chooses from; by default it tries all on this run first.",
         convert=attrs.converters.optional(as_path),
-        heading=_AUTOMATIC,
     )
-    # Ignored by warp "auto", which chooses its own.
     fill: str = option(
         attrs.Factory(lambda self: _default_fill(self.warp), takes_self=True),
         f"Fill (inpainting): {names_in('client/fills')}, or several with +. [default: {DEFAULT_FILL}; none where "
@@ -308,49 +294,40 @@ class PipelineOptions(Declared):
         default=None,
     )
     # In the syntax of client.effects.EffectRegistry.selected.
-    effects: str = option(
+    effects: str = _rendering(
         "auto",
         f"auto (what the scene calls for), none, or of {names_in('client/effects')}: NAME forces, no-NAME forbids.",
         study=PICTURE,
-        heading=_RENDERING,
     )
-    # How the server draws plane mirrors, see server.Server.
-    mirrors: str = option(
-        "geometry",
-        "Draw plane mirrors by geometry, or from what is on the screen (misses stay empty).",
-        study=PICTURE,
-        heading=_RENDERING,
+    mirrors: str = _rendering(
+        "geometry", "Draw plane mirrors by geometry, or from what is on the screen (misses stay empty).", study=PICTURE
     )
-    samples: int = option(
+    samples: int = _rendering(
         4,
         "Samples of each pixel of a scene's surfaces, in pictures and truth: colour is their mean in linear light. 4 "
         "is what engines send, 1 draws jagged edges.",
         valid=Number(least=1, most=MOST_SAMPLES),
         study=PICTURE,
-        heading=_RENDERING,
     )
     # In the syntax of client.parse_indirect; only where the scene's lamps move.
-    indirect: str = option(
+    indirect: str = _rendering(
         "converged",
         "Light between surfaces under lamps that move: converged, or voxels[:size=64,cones=6,bounces=4,updates=10], "
         "a grid that all views share.",
-        heading=_RENDERING,
     )
-    # Where scenes move; what is drawn on the server knows all of it.
-    client_motion: str = option(
+    client_motion: str = _rendering(
         FORESEEN,
         "What a client that draws knows of bodies, lamps and vertices that move: all of it beforehand, the last state "
         "that arrived and its speed, or that state alone.",
         valid=one_of(FORESEEN, EXTRAPOLATED, HELD),
         limits=f"{FORESEEN}, {EXTRAPOLATED} or {HELD}",
         study=PICTURE,
-        heading=_RENDERING,
     )
     headset: str = option(
         "quest-3",
-        f"Headset that is emulated: {names_in('headsets', '*.toml')}, a .toml file, or SteamVR's .json.",
+        f"Headset that is emulated: {names_in('headsets', '*.toml')}, a .toml file, or SteamVR's .json; NAME:ipd=63 "
+        "sets millimetres between its pupils.",
         study=DISPLAY,
-        beside=(_IPD,),
     )
     lens: str = option(
         attrs.Factory(lambda self: getattr(headsets.load_headset(self.headset).lens, "model", "none"), takes_self=True),
@@ -363,13 +340,8 @@ class PipelineOptions(Declared):
     size: tuple[int, int] | None = option(
         None, "Pixels of one eye; by default the display's.", metavar="WxH", parse=parse_size, study=DISPLAY
     )
-    # None for the display's own rate.
-    rate_hz: float | None = option(
-        None,
-        "Refreshes per second; by default the display's.",
-        valid=Number(above=True, most=1000),
-        study=DISPLAY,
-        heading=DISPLAYED,
+    rate_hz: float | None = _displayed(
+        None, "Refreshes per second; by default the display's.", valid=Number(above=True, most=1000), study=DISPLAY
     )
     # "auto" is replaced by a number before a run is built, see run.choose.
     guard: Guard | str = guard_field(
@@ -379,51 +351,31 @@ class PipelineOptions(Declared):
         heading=_RENDERING,
     )
     rendered_size: tuple[int, int] | None = None  # in place of the guard: of recorded frames, see Source.fitted
-    # None for frames that are as sharp everywhere.
-    fovea_deg: float | None = option(
+    fovea_deg: float | None = _rendering(
         None,
         "Degrees across that are sharp in frames, where the eye looks, or straight ahead if the trace has no gaze; the "
         "rest is coarser. By default all is sharp.",
         name="fovea",
         valid=Number(above=True, most=179),
-        heading=_RENDERING,
     )
-    rim: int = option(
+    rim: int = _rendering(
         4,
         "Display pixels that one pixel covers on each axis beyond --fovea.",
         valid=Number(least=2, most=16),  # as Fovea has it; geometry brings NumPy
-        heading=_RENDERING,
     )
-    gaze: str = option(
-        HELD_GAZE,
-        "Where --fovea is: at the gaze that the server knows when it draws, or at the one predicted for display.",
-        valid=one_of(HELD_GAZE, PREDICTED_GAZE),
-        limits=f"{HELD_GAZE} or {PREDICTED_GAZE}",
-        heading=_RENDERING,
+    fused: bool = _displayed(False, "Warp and apply the lens in one resample; for gather warps, without fill.")
+    scanout_ms: float = _displayed(
+        0.0, "Milliseconds that the display takes from its first row to its last.", valid=Number(most=100)
     )
-    fused: bool = option(
-        False, "Warp and apply the lens in one resample; for gather warps, without fill.", heading=DISPLAYED
-    )
-    # From the display's first row to its last; 0 for a global display.
-    scanout_ms: float = option(
-        0.0,
-        "Milliseconds that the display takes from its first row to its last.",
-        valid=Number(most=100),
-        heading=DISPLAYED,
-    )
-    # Warps that cannot follow show all rows as in the middle of the scan-out.
-    follow_scanout: bool = option(
+    follow_scanout: bool = _displayed(
         True,
         "Warp each row for its own instant, where the warp can, or all for the middle one.",
         off="--no-follow-scanout",
-        heading=DISPLAYED,
     )
-    # Delay variation, loss and queueing, on top of the latency.
     network: LinkOptions = group(LinkOptions)
-    coding: Coding = group(Coding)  # encoding and decoding on the link
-    # What stands between the server and that link.
+    coding: Coding = group(Coding)
     proxy: ProxyOptions = group(ProxyOptions)
-    predict: str = option(
+    predict: str = _rendering(
         # None shows latency as it is.
         attrs.Factory(lambda self: "none" if self.warp == "none" else DEFAULT_PREDICTOR, takes_self=True),
         f"Head pose that the server draws for, by predictor: {', '.join(PREDICTORS)}; on is cautious, "
@@ -431,13 +383,9 @@ class PipelineOptions(Declared):
         valid=lambda *given: given[-1] in PREDICTORS or poses.predictors.get(given[-1]),
         kind=str,
         default=None,
-        heading=_RENDERING,
     )
-    horizon_ms: float | None = option(
-        None,
-        "Milliseconds to predict ahead at most; by default the predictor's own.",
-        valid=Number(),
-        heading=_RENDERING,
+    horizon_ms: float | None = _rendering(
+        None, "Milliseconds to predict ahead at most; by default the predictor's own.", valid=Number()
     )
     # What warp "auto" chooses from: of a live run, by the benchmark.
     levels: tuple[QualityLevel, ...] = ()
@@ -469,10 +417,8 @@ class PipelineOptions(Declared):
             }
             for text, is_set in asked.items():
                 yield is_set, f"--{text} with --frames: {_SET_BY_FRAMES}"
-        for name in ("rim", "gaze"):
-            found = getattr(self, name)
-            is_said = found != getattr(attrs.fields(type(self)), name).default
-            yield is_said and not is_foveated, f"--{name} {found}: frames are as sharp everywhere; it is for --fovea"
+        is_said = self.rim != attrs.fields(type(self)).rim.default
+        yield is_said and not is_foveated, f"--rim {self.rim}: frames are as sharp everywhere; it is for --fovea"
         yield is_foveated and changes, "--fovea with --send changes: eyes move where nothing else does; leave one out"
         sets = options_of_strategy(self.strategy) if self.strategy else {}
         values = {"warp": self.warp, "fill": self.fill, "effects": self.effects, "proxy": self.proxy.on}
@@ -495,7 +441,7 @@ class PipelineOptions(Declared):
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set. Errors: InputError."""
         usual = {option.name: option.default for option in options_of(cls)}
-        said = with_strategy(with_frames(with_headset(said, usual["headset"]), usual))
+        said = with_strategy(with_frames(said, usual))
         values = super().values_of(said)
         if said.get("client"):  # its limits are those of what was not set
             device = load_client(said["client"])
@@ -567,7 +513,7 @@ class PipelineOptions(Declared):
             found.append(self.light_note)
         if self.fovea is not None:
             found.append(
-                f"Frames are coarser away from the gaze that is {self.gaze} when they are drawn: {self.fovea}; it is "
+                f"Frames are coarser away from the gaze that is known when they are drawn: {self.fovea}; it is "
                 "straight ahead where the head's motion has no gaze."
             )
         if self.network.response == SUM:
@@ -638,10 +584,3 @@ def _beside(shared: Any, own: Any) -> Any:
     names = [field.name for field in attrs.fields(type(own))]
     sets = {name: value for name in names if (value := getattr(own, name)) != getattr(usual, name)}
     return attrs.evolve(shared, **sets)
-
-
-def with_headset(said: Mapping[str, Any], headset: str) -> Mapping[str, Any]:
-    """Return the options with --ipd as part of the headset; headset: where none is named."""
-    if said.get("ipd") is None:
-        return said
-    return {**said, "headset": f"{said.get('headset') or headset}:ipd={said['ipd']:g}"}

@@ -7,7 +7,9 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from typing import Any
 
+import attrs
 import moderngl
+import numpy as np
 
 from ..client import ClientScene, Compensator, Plan, parse_fills, parse_indirect, parse_warp
 from ..client.effects import effects
@@ -15,9 +17,8 @@ from ..client.lens import lenses
 from ..errors import InputError, unknown_name
 from ..frames import EyeImage, Frame
 from ..geometry import Eyes, Guard, Pose, View, guarded_eyes
-from ..gpu.textures import SCALAR, Canvas, allocate, release_all
+from ..gpu.textures import SCALAR, Canvas, allocate, release_all, upload
 from ..gpu.timers import Laps
-from ..link import LinkOptions
 from ..link.codec import codecs
 from ..metrics import middle_and_tail
 from ..options import AUTO
@@ -26,7 +27,7 @@ from ..sources.feed.options import FeedOptions
 from ..sources.server import Renderer
 from ..sources.server.draw import MIRRORS
 from . import sizes
-from .channel import Channel, ChannelSetup, Coder
+from .channel import Channel, Coder, Way
 from .loop import Loop, Refresh
 from .options import PROXY, RECORDING, REMOTE, PipelineOptions
 from .recorded_source import RecordingSource
@@ -37,11 +38,11 @@ from .source import FrameSource, PoseRequest, ServerFrames, Source, Target, clie
 _KEPT = 1 << 15
 
 
+@attrs.define(eq=False)
 class KnownHead:
     """A poses.PoseSource of one head: the one of the proxy's last request."""
 
-    def __init__(self) -> None:
-        self.head: PoseSample | None = None
+    head: PoseSample | None = None
 
     def start(self) -> None:
         """Do nothing."""
@@ -55,16 +56,18 @@ class KnownHead:
         """Do nothing."""
 
 
+@attrs.frozen(eq=False)
 class GuardedEyes:
     """Eyes with the client's guard band, which the pictures that the proxy makes hold."""
 
-    def __init__(self, eyes: Eyes, guard: Guard, size: tuple[int, int]) -> None:
-        self._eyes, self._guard, self._size = eyes, guard, size
+    eyes: Eyes
+    guard: Guard
+    size: tuple[int, int]
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
         """Return the view of each eye, the left one first."""
-        views = self._eyes.views(world_from_head)
-        fovs, _ = guarded_eyes(views, self._guard, self._size)
+        views = self.eyes.views(world_from_head)
+        fovs, _ = guarded_eyes(views, self.guard, self.size)
         return tuple(View(view.pose, fov, view.head_from_eye) for view, fov in zip(views, fovs, strict=True))
 
 
@@ -76,8 +79,8 @@ class Proxy(FrameSource):
     has arrived.
 
     requested: of the pictures that it makes; its source is a KnownHead. eyes: with the client's
-    guard band. rendered: (w, h) of the frames. link: what they come through, as of joined. about:
-    what summary.json says of it beside what it measures. All of it is freed with the stack.
+    guard band. rendered: (w, h) of the frames, which come by that way. about: what summary.json
+    says of it beside what it measures. All of it is freed with the stack.
     """
 
     def __init__(
@@ -88,7 +91,7 @@ class Proxy(FrameSource):
         plan: Plan,
         eyes: Eyes,
         rendered: tuple[int, int],
-        link: tuple[LinkOptions, int, float, Coder | None],
+        way: Way,
         about: Mapping[str, Any],
         stack: ExitStack,
     ) -> None:
@@ -97,33 +100,24 @@ class Proxy(FrameSource):
         self._known = requested.source
         compensator = Compensator(self._gpu, plan, None, rendered, requested.size, geometry)
         stack.callback(compensator.close)
-        self._channel, history = joined(frames, geometry, requested, [plan], link, stack)
+        self._channel, history = joined(frames, geometry, requested, [plan], way, stack)
         self._loop = Loop(requested, frames, self._channel, history, compensator, eyes)
         self._no_depth = allocate(self._gpu.gl, requested.size, SCALAR)
+        upload(self._no_depth, np.full(requested.size[::-1], -1, np.float32))
         self._free: list[Canvas] = []
         self._out: dict[moderngl.Texture, Canvas] = {}
         stack.callback(self.close)
-        framebuffer = self._gpu.gl.framebuffer([self._no_depth])
-        framebuffer.clear(-1.0)
-        framebuffer.release()
-        # What it showed for the last head; None before the server's first frame.
+        # What it showed for the last head, until its times are noted.
         self.shown: Refresh | None = None
-        # The same, until its times are noted.
-        self._last: Refresh | None = None
         self._stage_ms: defaultdict[str, deque[float]] = defaultdict(lambda: deque(maxlen=_KEPT))
         self._age_ms: deque[float] = deque(maxlen=_KEPT)
-
-    @property
-    def made(self) -> int:
-        """How many pictures exist, under way or free."""
-        return len(self._free) + len(self._out)
 
     def draw(self, head: PoseSample, now_ns: int) -> Frame | None:
         """Let the server draw what is due, and warp its newest frame that has arrived."""
         self._record_last()
         self._known.head = head
         self._loop.draw(now_ns)
-        self.shown = self._last = refresh = self._loop.show(now_ns)
+        self.shown = refresh = self._loop.show(now_ns)
         if refresh is None:
             return None
         eyes, timer = [], self._gpu.timer
@@ -135,9 +129,9 @@ class Proxy(FrameSource):
                 eyes.append(EyeImage(eye.view, canvas.texture, self._no_depth, drawn_ns=now_ns))
         return Frame(tuple(eyes), now_ns, head, Laps(*refresh.laps, timer.lap()), older_ns=refresh.frame.shows_ns)
 
-    def channel(self, setup: ChannelSetup) -> Channel:
+    def channel(self, *setup: Any) -> Channel:
         """Return the channel to the client."""
-        found = super().channel(setup)
+        found = super().channel(*setup)
         found.before = self.summary
         return found
 
@@ -148,7 +142,7 @@ class Proxy(FrameSource):
 
     def _record_last(self) -> None:
         """Note the times of the last refresh, which the GPU has finished by now."""
-        last, self._last = self._last, None
+        last, self.shown = self.shown, None
         if last is None:
             return
         self._age_ms.append(last.age_ns * 1e-6)
@@ -156,7 +150,8 @@ class Proxy(FrameSource):
             took: defaultdict[str, float] = defaultdict(float)
             for name, milliseconds in stages:
                 took[name] += milliseconds
-            for name, milliseconds in (*took.items(), ("total", sum(took.values()))):
+            took["total"] = sum(took.values())
+            for name, milliseconds in took.items():
                 self._stage_ms[name].append(milliseconds)
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
@@ -186,47 +181,40 @@ class _ProxySource(Source):
     kind = PROXY
 
     def frames(
-        self,
-        options: PipelineOptions,
-        server: Renderer,
-        target: Target,
-        requested: PoseRequest,
-        stack: ExitStack,
+        self, options: PipelineOptions, server: Renderer, target: Target, requested: PoseRequest, stack: ExitStack
     ) -> Proxy:
         """Return the proxy: a loop like the client's, over frames that the server draws for it.
 
         Errors: InputError for sizes beyond the GPU's limits, MachineError for too little memory.
         """
-        way, gpu, rate_hz = options.to_proxy(), target.gpu, target.rate_hz
-        plan, eyes = (
-            sizes.proxy_plan_for(options, server.scene),
-            GuardedEyes(target.eyes, requested.guard, requested.size),
-        )
+        first, rate_hz = options.to_proxy(), target.rate_hz
+        plan = sizes.proxy_plan_for(options, server.scene)
+        eyes = GuardedEyes(target.eyes, requested.guard, requested.size)
         if plan.needs.others.other_eye and len(eyes.views(Pose())) < 2:
-            raise InputError(f"--proxy-warp {way.warp} looks into the other eye's picture, and there is one eye")
-        made = sizes.eye_sizes(way.guard_band, eyes, sizes.guarded_size(requested.guard, target.eyes, requested.size))
-        sizes.check_held(gpu, way, plan.needs, made, rate_hz)
+            raise InputError(f"--proxy-warp {first.warp} looks into the other eye's picture, and there is one eye")
+        made = sizes.eye_sizes(first.guard_band, eyes, sizes.guarded_size(requested.guard, target.eyes, requested.size))
+        sizes.check_held(target.gpu, first, plan.needs, made, rate_hz)
         refresh_ns = sizes.refreshes_of(options.proxy.longest_ms(options.network), rate_hz) * 1e9 / rate_hz
-        link_ns = sizes.latency_ns(way)
-        if way.network.is_plain:
+        link_ns = sizes.latency_ns(first)
+        if first.network.is_plain:
             # At most the time between two refreshes so far apart, which are rounded to whole ns.
             link_ns = min(link_ns, max(0, round(refresh_ns) - 2))
-        age_ns = sizes.expected_age_ns(way, round(refresh_ns), rate_hz)
+        age_ns = sizes.expected_age_ns(first, round(refresh_ns), rate_hz)
         geometry = client_scene(options, server.scene, server, stack)
         # What it shows is for the requested head; what the server draws is seen later.
         guard = options.proxy.guard
         request = PoseRequest(KnownHead(), requested.for_server, made.shown, guard, plan.needs, age_ns=age_ns)
-        frames, coder = ServerFrames(server, request, eyes), Coder.of(way.coding, rate_hz, age_ns)
+        way = first.network, link_ns, rate_hz, Coder.of(first.coding, rate_hz, age_ns)
         about = {
-            "latency_ms": way.latency_ms,
+            "latency_ms": first.latency_ms,
             "total_latency_ms": options.total_latency_ms,
-            "warp": way.warp,
-            "fill": way.fill,
+            "warp": first.warp,
+            "fill": first.fill,
             "effects": list(plan.effects),
             "rendered": sizes.rendered_entry(guard, made, plan.needs),
         }
-        link = (way.network, link_ns, rate_hz, coder)
-        return Proxy(frames, geometry, request, plan, eyes, made.rendered, link, about, stack)
+        frames = ServerFrames(server, request, eyes)
+        return Proxy(frames, geometry, request, plan, eyes, made.rendered, way, about, stack)
 
 
 def source_of(options: PipelineOptions) -> Source:
@@ -258,8 +246,8 @@ def check_names(options: PipelineOptions) -> None:
     if options.lens != AUTO:
         lenses.get(options.lens)
     effects.forced(options.effects)
-    codecs.get(options.coding.codec).check()
-    codecs.get(options.proxy.codec).check()
+    for name in (options.coding.codec, options.proxy.codec):
+        codecs.get(name).check()
     options.client_link.delay.check(round(options.latency_ms * 1e6))
     if options.mirrors not in MIRRORS:
         raise unknown_name("kind of mirrors", options.mirrors, list(MIRRORS))

@@ -113,18 +113,16 @@ class RecordedRenderer(Renderer):
             frame = self.nearest_to(shown_ns)
             move_m = float(np.linalg.norm(frame.pose.position_m - pose.position_m))
             rows.append((abs(frame.time_ns - shown_ns) * 1e-6, math.degrees(frame.pose.angle_to(pose)), move_m))
-        offsets = {
-            name: {"median": round(float(np.median(column)), 6), "most": round(max(column), 6)}
-            for name, column in zip(("time_ms", "turn_deg", "move_m"), zip(*rows, strict=True), strict=True)
-        }
+        offsets, parts = {}, []
+        units = (("time_ms", "ms", 1), ("turn_deg", "degrees", 2), ("move_m", "m", 3))
+        for (name, unit, digits), column in zip(units, zip(*rows, strict=True), strict=True):
+            middle, most = round(float(np.median(column)), 6), round(max(column), 6)
+            offsets[name] = {"median": middle, "most": most}
+            parts.append(f"{middle:.{digits}f} {unit} (at most {most:.{digits}f})")
         facts = {"eyes": 1, "truth_offset": offsets}
         if not any(offset["most"] > _NOTHING for offset in offsets.values()):
             return facts, "The truth is the recorded frame of the shown instant itself."
-        parts = ", ".join(
-            f"{offsets[name]['median']:.{digits}f} {unit} (at most {offsets[name]['most']:.{digits}f})"
-            for name, unit, digits in (("time_ms", "ms", 1), ("turn_deg", "degrees", 2), ("move_m", "m", 3))
-        )
-        text = f"The truth is the recorded frame nearest to the shown instant, off by {parts} in the median."
+        text = f"The truth is the recorded frame nearest to the shown instant, off by {', '.join(parts)} in the median."
         if offsets["turn_deg"]["median"] * pixels_per_degree > _ANOTHER or not own_head:
             text += " That is another view than the one shown: the figures count this difference as error."
         return facts, text
@@ -199,11 +197,6 @@ class RecordingSource(Source):
         """The camera's display. Errors: as display_of."""
         return display_of(self.sequence, self._guard, self._eye_distance_mm * 1e-3)
 
-    @property
-    def title(self) -> str:
-        """Its kind and name, for messages."""
-        return f"recorded frames '{self.scene.name}'"
-
     @cached_property
     def notes(self) -> list[str]:
         """What takes the place of a renderer, what is assumed of it, what its frames suggest."""
@@ -221,24 +214,21 @@ class RecordingSource(Source):
     @property
     def about(self) -> str:
         """What takes the place of a renderer, how much of it is shown, and to which eyes."""
-        sequence, guard = self.sequence, self._guard
+        sequence, guard, floor_db = self.sequence, self._guard, self.sequence.noise_floor_db
         (wide, high), (across, down) = sequence.frames[0].size, _degrees(sequence.frames[0].fov)
-        shown = "{:.1f} x {:.1f} degrees".format(*_degrees(display_of(sequence, guard).eyes[0].fov))
-        sentences = [
+        shown = "All of it is shown: there is no guard band."
+        if guard != GuardBand():
+            part = "{:.1f} x {:.1f} degrees".format(*_degrees(display_of(sequence, guard).eyes[0].fov))
+            shown = f"The middle of it is shown, {part}; the rest is a guard band of {guard.text}."
+        eyes = "One eye is shown, the camera's."
+        if right_mm := self._eye_distance_mm:
+            eyes = f"The left eye is the camera, and the right eye is shown the same frames, {right_mm:g} mm beside it."
+        return (
             f"{len(sequence.frames)} recorded frames of {sequence.path} ({sequence.layout}) take the place of a "
-            f"renderer: {wide}x{high} pixels, {across:.1f} x {down:.1f} degrees.",
-            "A late frame was taken where the camera was.",
-            "All of it is shown: there is no guard band."
-            if guard == GuardBand()
-            else f"The middle of it is shown, {shown}; the rest is a guard band of {guard.text}.",
-            f"The left eye is the camera, and the right eye is shown the same frames, {self._eye_distance_mm:g} mm "
-            "beside it."
-            if self._eye_distance_mm
-            else "One eye is shown, the camera's.",
-        ]
-        if sequence.noise_floor_db is not None:
-            sentences.append(f"Its noise floor is {sequence.noise_floor_db:g} dB, by camera.json.")
-        return " ".join(sentences)
+            f"renderer: {wide}x{high} pixels, {across:.1f} x {down:.1f} degrees. A late frame was taken where the "
+            f"camera was. {shown} {eyes}"
+            + ("" if floor_db is None else f" Its noise floor is {floor_db:g} dB, by camera.json.")
+        )
 
     def fitted(self, options: Options) -> Options:
         """Return the options with the sizes of the frames.

@@ -36,7 +36,7 @@ from ..sources.feed.options import FULL, FeedOptions, public_key, secret_in
 from ..sources.feed.parts import length_of as part_bytes
 from ..sources.server import Renderer, Target
 from . import feed_coding
-from .channel import Channel, ChannelSetup
+from .channel import Channel, Reads, Way
 from .options import REMOTE, SERVER_SCENE, PipelineOptions
 from .source import FrameSource, MomentOf, Options, PoseRequest, Source, nothing
 from .source import Target as Shown
@@ -58,27 +58,23 @@ class Request:
 
     ask: Ask
     head: PoseSample
-    # On the loop's clock, and on this machine's.
-    drawn_ns: int
-    sent_ns: int
+    drawn_ns: int  # on the loop's clock
+    sent_ns: int  # on this machine's
     # (w, h) of one eye's picture as it comes: smaller than asked for where it is foveated.
     size: tuple[int, int]
     acted: range  # which inputs it told the server
-    # As it came, and how long after the request the loop had it.
+    # As it came, how long after the request the loop had it, and what was made of it.
     message: FrameMessage | None = None
     took_ns: int = 0
-    # Bytes that crossed the feed, by layer.
-    layer_bytes: Counter[str] = attrs.field(factory=Counter)
-    frame: Frame | None = None  # what was made of it
+    frame: Frame | None = None
 
     @property
     def is_key(self) -> bool:
         """Whether its frame can be decoded without those before it."""
         came = self.message
         assert came is not None
-        return came.begins or not (
-            feed_coding.codes_video(came.colour) or feed_coding.codes_video(came.depth, of_depth=True)
-        )
+        codes_video = feed_coding.codes_video
+        return came.begins or not (codes_video(came.colour) or codes_video(came.depth, of_depth=True))
 
 
 class Remote:
@@ -98,35 +94,28 @@ class Remote:
         self._number = 0
         self._pending: dict[int, Request] = {}
         self._heard_ns = time.monotonic_ns()
-        # When frames stopped coming; None while they come.
-        self._lost_ns: int | None = None
+        self._lost_ns: int | None = None  # when frames stopped coming; None while they come
         self._losses = self._away_ns = 0
         self.unanswered = self.refused = self.undecodable = 0
         self._decoder, self._anew_number = feed_coding.FeedDecoder(), 0
         # What was wrong with the layers of the last frame that was left out, and what was said.
-        self._misfit = ""
+        self._misfit, self._draws_others = "", False
         self._told: set[str] = set()
-        self._apart = _ViewsApart()
         # How frames are to be coded; raw until it is set.
-        self.wish, self._format = Wish(), message.ANY
-        # What is read of the eyes' pictures; the rest is not sent.
-        self.pictures = frozenset(PICTURE)
+        self.wish, self.format = Wish(), message.ANY  # the format is that of the colour that came last
+        self.pictures = frozenset(PICTURE)  # what is read of the eyes' pictures; the rest is not sent
         self._paced: tuple[int, int] | None = None
-        # The last instant for which the loop knows what had arrived.
-        self._told_ns: int | None = None
+        self._told_ns: int | None = None  # the last instant for which the loop knows what had arrived
         # Of each frame in the order of drawing, in ns: the instant it was drawn for, and its delay.
-        # Where it keeps them.
         self.delays_ns: list[tuple[int, int]] = []
         # What the server does, as its frames say: leave out what is hidden, take a session, draw
         # foveated frames, and react to inputs.
         self._takes_hidden = self._takes_session = self._takes_fovea = self.takes_inputs = False
-        # What is told in a session until a request that told it has been answered: each fate with
-        # the id of the first such request.
+        # What is told in a session until a request that told it has been answered.
         self._session = 0
-        self._fates: dict[int, tuple[Fate, int | None]] = {}
+        self._fates: dict[int, Fate] = {}
         self.age_ns, self.only_changes = 0, False
-        # Requests of this session to which nothing had changed.
-        self.unchanged = 0
+        self.unchanged = 0  # requests of this session to which nothing had changed
         # The scene's clock at an instant of the loop's.
         self.scene_ns: Callable[[int], int] = lambda now_ns: now_ns
         # What people did, oldest first, and how many of these the server is known to have.
@@ -146,7 +135,7 @@ class Remote:
     ) -> None:
         """Ask for a frame of these eyes at that instant of the loop's clock, with needed layers."""
         fovs, grown = guarded_eyes(views, guard, size)
-        fovea, stand_for, rest = feed_coding.fovea_of(needs if needs is not None else Needs())
+        fovea, stand_for, rest = feed_coding.fovea_of(needs or Needs())
         read = self.pictures | stand_for
         grown = grown if read else _NO_PICTURE
         wide = tuple(view.within(fov) for view, fov in zip(views, fovs, strict=True))
@@ -162,25 +151,21 @@ class Remote:
         times = (self._number, 0, self.scene_ns(now_ns), self.scene_ns(head.time_ns), 0)
         session = None
         if self._takes_session:  # with the fates heard of by now
-            due = [fate for fate, _ in self._fates.values() if fate.heard_ns <= now_ns][: message.MOST_FATES]
-            for fate in due:
-                told_in = self._fates[fate.number][1]
-                self._fates[fate.number] = fate, self._number if told_in is None else told_in
+            due = [fate for fate in self._fates.values() if fate.heard_ns <= now_ns][: message.MOST_FATES]
             session = Session(self._session, self.age_ns, self.only_changes, tuple(due))
         fovea = fovea if self._takes_fovea else None
-        acted = self._known_inputs
+        known = acted = self._known_inputs
         if self.takes_inputs:
             until = bisect_right(self._acted, times[2], key=lambda event: event.time_ns)
-            acted = min(until, acted + message.MOST_INPUTS)
-        inputs = tuple(self._acted[self._known_inputs : acted])
-        more: dict[str, Any] = {"wanted": wanted, "session": session, "fovea": fovea, "inputs": inputs}
+            acted = min(until, known + message.MOST_INPUTS)
+        more: dict[str, Any] = {"wanted": wanted, "session": session, "fovea": fovea, "anew": anew}
         left_out = {
             kind: message.NONE for kind, name in zip(("colour", "depth"), PICTURE, strict=True) if name not in read
         }
-        wish = attrs.evolve(self.wish, **left_out)
-        ask = Ask(*times, grown, head.pose, wide, wish=wish, anew=anew, **more)
+        wish, inputs = attrs.evolve(self.wish, **left_out), tuple(self._acted[known:acted])
+        ask = Ask(*times, grown, head.pose, wide, wish=wish, inputs=inputs, **more)
         small = grown if fovea is None else fovea.grid(wide[0], grown).small
-        told = range(self._known_inputs, acted)
+        told = range(known, acted)
         self._pending[self._number] = Request(ask, head, now_ns, self._caller.ask(ask), small, told)
         while len(self._pending) > _MOST_PENDING:
             self._unanswer(self._pending.pop(next(iter(self._pending))))
@@ -199,7 +184,7 @@ class Remote:
     def tell(self, of: Request, *, arrived: bool, heard_ns: int) -> None:
         """Tell the server of a frame's fate, from that instant on, where layers build on it."""
         if any(layers.get(name).builds_on_frames for name, _ in (of.ask.wanted.layers if of.ask.wanted else ())):
-            self._fates[of.ask.number] = Fate(of.ask.number, arrived, heard_ns), None
+            self._fates[of.ask.number] = Fate(of.ask.number, arrived, heard_ns)
 
     def _unanswer(self, request: Request) -> None:
         """Note that a request will not be answered by a frame that can be shown."""
@@ -208,10 +193,10 @@ class Remote:
 
     def _answered(self, number: int) -> Request:
         """Take a request that was answered: what it told is known there."""
-        for fate, told_in in list(self._fates.values()):
-            if told_in is not None and told_in <= number:
-                del self._fates[fate.number]
         request = self._pending.pop(number)
+        for fate in request.ask.session.fates if request.ask.session else ():
+            if self._fates.get(fate.number) == fate:
+                del self._fates[fate.number]
         if request.acted.start <= self._known_inputs:  # not where the server has forgotten those before, too
             self._known_inputs = max(self._known_inputs, request.acted.stop)
         return request
@@ -224,9 +209,7 @@ class Remote:
         Errors: InputError where the server refuses, or sends no needed layer; MachineError where
         nothing answers.
         """
-        took = [
-            self._trial(lambda: self.ask(head, views, guard, size, head.time_ns, needs), needs) for _ in range(_TRIALS)
-        ]
+        took = [self._trial(head, views, guard, size, needs) for _ in range(_TRIALS)]
         self.forget()
         self.delays_ns.clear()
         self.unanswered = 0
@@ -240,10 +223,10 @@ class Remote:
         self._session += 1
         self.unchanged = self._known_inputs = 0
 
-    def _trial(self, ask: Callable[[], None], needs: Needs) -> int:
+    def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs) -> int:
         until_ns, place = time.monotonic_ns() + _ANSWER_NS, f"--connect {self._caller.address}"
         while (now_ns := time.monotonic_ns()) < until_ns:
-            ask()
+            self.ask(head, views, guard, size, head.time_ns, needs)
             # Requested again after a while: there may have been no connection.
             again_ns = min(until_ns, now_ns + 1_000_000_000)
             while time.monotonic_ns() < again_ns:
@@ -264,15 +247,12 @@ class Remote:
 
     def pace(self, now_ns: int) -> None:
         """Wait so that refreshes come no faster than on the display, where the loop holds."""
-        if not self._holds:
-            return
-        clock_ns = time.monotonic_ns()
-        if self._paced is not None:
-            due_ns = self._paced[1] + now_ns - self._paced[0]
-            if due_ns > clock_ns:
-                time.sleep((due_ns - clock_ns) * 1e-9)
-                clock_ns = due_ns
-        self._paced = now_ns, clock_ns
+        if self._holds:
+            clock_ns = time.monotonic_ns()
+            shown_ns, then_ns = self._paced or (now_ns, clock_ns)
+            wait_ns = max(0, then_ns + now_ns - shown_ns - clock_ns)
+            time.sleep(wait_ns * 1e-9)
+            self._paced = now_ns, clock_ns + wait_ns
 
     def arrived(self, now_ns: int) -> list[Request]:
         """Return what has arrived since the last call, oldest first.
@@ -325,7 +305,7 @@ class Remote:
                 self._leave_out("another size or number of eyes than requested", "")
                 self.tell(request, arrived=False, heard_ns=request.drawn_ns)
                 continue
-            self._heard_ns, self._format = arrival.heard_ns, frame.colour
+            self._heard_ns, self.format = arrival.heard_ns, frame.colour
             if self._acted and self.takes_inputs and not frame.takes_inputs:  # another server in its place
                 self._say(f"{self._caller.address}: it does not react any more: what people do is left out")
             self._takes_hidden, self._takes_session = frame.takes_hidden, frame.takes_session
@@ -339,11 +319,6 @@ class Remote:
             if self._told_ns is not None:
                 # It came in just before a refresh that was shown without it: handed over after.
                 request.took_ns = max(request.took_ns, self._told_ns + 1 - request.drawn_ns)
-            pictures = {"colour": frame.colours, "inverse_depth": frame.inverse_depths}
-            sizes = Counter({name: sum(map(message.length_of, both)) for name, both in pictures.items()})
-            for of_eye in frame.layers:
-                sizes.update({name: sum(map(part_bytes, parts)) for name, parts in of_eye.items()})
-            request.layer_bytes = +sizes
             found.append(request)
             if request.is_key:  # until it turns out that it is damaged
                 self._decoder.wants_anew = False
@@ -368,14 +343,9 @@ class Remote:
             self._misfit = wrong
             self._leave_out(wrong, "")
             return None
-        were_apart = bool(self._apart)
-        for pair in zip(ask.views, decoded.views, strict=True):
-            self._apart.take(*pair)
-        if self._apart and not were_apart:
-            self._say(
-                f"{self._caller.address}: it draws other views than it is asked for, {self._apart}; what it has not "
-                "drawn is a hole"
-            )
+        if not self._draws_others and any(map(is_another_view, ask.views, decoded.views)):
+            self._draws_others = True
+            self._say(f"{self._caller.address}: it draws other views than it is asked for; what is not drawn is a hole")
         return attrs.evolve(decoded, grids=grids)
 
     def _leave_out(self, kind: str, what: str) -> None:
@@ -391,57 +361,38 @@ class Remote:
 
     def summary(self) -> dict[str, Any]:
         """Return what summary.json has of the connection."""
+        since_ns = 0 if self._lost_ns is None else time.monotonic_ns() - self._lost_ns
         return {
             "address": self._caller.address,
             "lost": self._losses,
-            "away_s": (self._away_ns + (time.monotonic_ns() - self._lost_ns if self._lost_ns is not None else 0)) / 1e9,
+            "away_s": (self._away_ns + since_ns) / 1e9,
             "clock": self._caller.clock.summary(),
             "unanswered": self.unanswered,
             "undecodable": self.undecodable,
-            "views_off": attrs.asdict(self._apart),
+            "draws_others": self._draws_others,
             "malformed": self._caller.malformed + self.refused,
         }
-
-    @property
-    def codec(self) -> str:
-        """The codec of the frames that came last."""
-        return feed_coding.CODECS.get(self._format, "none")
 
     def close(self) -> None:
         """End the session."""
         self._caller.close()
 
 
-# Degrees, metres and share of the field of view that equal views may differ by: a renderer's single
-# floats leave 1e-5 degrees, 5e-7 m at 8 m, and 4e-7 of the field.
+# Degrees, metres and share of the field of view, on each axis, that equal views may differ by: a
+# renderer's single floats leave 1e-5 degrees, 5e-7 m at 8 m, and 4e-7 of the field.
 _SAME_DEG, _SAME_M, _SAME_SHARE = 1e-4, 1e-6, 1e-6
 
 
-@attrs.define
-class _ViewsApart:
-    """The largest difference of drawn views from requested ones."""
-
-    turned_deg: float = 0.0
-    moved_m: float = 0.0
-    # The least share of the requested field of view that was drawn, by area in tangents.
-    field_share: float = 1.0
-
-    def take(self, asked: View, drawn: View) -> None:
-        """Count one view more."""
-        self.turned_deg = max(self.turned_deg, math.degrees(drawn.pose.angle_to(asked.pose)))
-        self.moved_m = max(self.moved_m, float(np.linalg.norm(drawn.pose.position_m - asked.pose.position_m)))
-        left, right, down, up = asked.fov.tangents
-        tangents = drawn.fov.tangents
-        low, high = np.maximum((left, down), tangents[[0, 2]]), np.minimum((right, up), tangents[[1, 3]])
-        share = float(np.prod((high - low).clip(min=0)) / ((right - left) * (up - down)))
-        self.field_share = min(self.field_share, share)
-
-    def __bool__(self) -> bool:
-        return self.turned_deg > _SAME_DEG or self.moved_m > _SAME_M or self.field_share < 1 - _SAME_SHARE
-
-    def __str__(self) -> str:
-        field = f", with {self.field_share:.0%} of the field of view" if self.field_share < 1 - _SAME_SHARE else ""
-        return f"up to {self.turned_deg:.2f} degrees and {self.moved_m:.3f} m off{field}"
+def is_another_view(asked: View, drawn: View) -> bool:
+    """Return whether a view was drawn from elsewhere, or lacks some of the requested one."""
+    left, right, down, up = (asked.fov.tangents - drawn.fov.tangents) * (-1, 1, -1, 1)
+    across, high = np.diff(asked.fov.tangents)[[0, 2]]
+    return bool(
+        math.degrees(drawn.pose.angle_to(asked.pose)) > _SAME_DEG
+        or np.abs(drawn.pose.position_m - asked.pose.position_m).max() > _SAME_M
+        or max(left, right) > _SAME_SHARE * across
+        or max(down, up) > _SAME_SHARE * high
+    )
 
 
 class NoTruth(HmdwarpError):
@@ -516,12 +467,7 @@ class RemoteSource(Source):
         return done
 
     def frames(
-        self,
-        options: PipelineOptions,
-        server: Renderer,
-        target: Shown,
-        requested: PoseRequest,
-        stack: ExitStack,
+        self, options: PipelineOptions, server: Renderer, target: Shown, requested: PoseRequest, stack: ExitStack
     ) -> RemoteFrames:
         """Return the frames that the server elsewhere draws."""
         remote = self.remote
@@ -553,14 +499,14 @@ class RemoteRenderer(Renderer):
     def __init__(self, gpu: Gpu, scene: Scene, feed: FeedOptions) -> None:
         super().__init__(gpu, scene)
         self._viewer = Viewer(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
-        self._apart = _ViewsApart()
+        self._draws_others = False
 
     def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
         """Return what the server draws for the view. Errors: NoTruth where it draws nothing."""
         found = self._viewer.fetch(view, size, time_ns)
         if found is None:
             raise NoTruth("the server has not drawn the truth")
-        self._apart.take(view, found.views[0])
+        self._draws_others |= is_another_view(view, found.views[0])
         target = into if into is not None else self.acquire(size)
         self.take_in(feed_coding.arrays_of(found, 0, size), target)
         return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=time_ns)
@@ -570,8 +516,8 @@ class RemoteRenderer(Renderer):
     ) -> tuple[dict[str, Any], str]:
         """Return nothing for summary.json, and a sentence or two on what the truth is."""
         text = "The truth is what the server drew for the shown views."
-        if self._apart:
-            text += f" Its views were {self._apart}: the figures count that as error."
+        if self._draws_others:
+            text += " It drew other views than those: the figures count that as error."
         if missing:
             text += f" It drew none for {counted(missing, 'picture')}, which were not measured."
         return {}, text
@@ -638,9 +584,9 @@ class RemoteFrames(FrameSource):
         if frame is not None:
             self.server.recycle(frame)
 
-    def channel(self, setup: ChannelSetup) -> Channel:
+    def channel(self, *setup: Any) -> Channel:
         """Return the channel of what arrives by the feed."""
-        return _RemoteChannel(setup, self)
+        return _RemoteChannel(self, *setup)
 
 
 class _RemoteChannel(Channel):
@@ -651,11 +597,14 @@ class _RemoteChannel(Channel):
     next request.
     """
 
-    def __init__(self, setup: ChannelSetup, frames: RemoteFrames) -> None:
-        self._remote, self._frames_of, self._tell = frames.remote, frames, setup.settled
+    def __init__(self, frames: RemoteFrames, way: Way, reads: Reads, offer: Any, tell: Any) -> None:
+        self._remote, self._frames_of, self._tell = frames.remote, frames, tell
         super().__init__(
-            attrs.evolve(setup, coder=None),  # the server codes them
             frames.recycle,
+            (*way[:3], None),  # the server codes them
+            reads,
+            offer,
+            tell,
             receive=self._receive,
             decoding=lambda request: 0,
             settled=self._settled,
@@ -666,7 +615,7 @@ class _RemoteChannel(Channel):
         self._unanswered = self._remote.unanswered
         self._remote.forget()
         self._remote.needs_key = self.link.needs_key
-        self.link.delay_by(self._delays(setup.network.delays(frames.added_ns)))
+        self.link.delay_by(self._delays(way[0].delays(frames.added_ns)))
 
     def _delays(self, added: Iterator[int]) -> Iterator[int]:
         for added_ns in added:
@@ -694,10 +643,16 @@ class _RemoteChannel(Channel):
     def newest(self, now_ns: int) -> Frame | None:
         """Return the newest frame that has arrived by now, or None before the first."""
         for request in self._remote.arrived(now_ns):
+            came = request.message
+            assert came is not None
+            pictures = {"colour": came.colours, "inverse_depth": came.inverse_depths}
+            sizes = Counter({name: sum(map(message.length_of, both)) for name, both in pictures.items()})
+            for of_eye in came.layers:
+                sizes.update({name: sum(map(part_bytes, parts)) for name, parts in of_eye.items()})
             self._frames, self._eyes = self._frames + 1, len(request.ask.views)
-            self._bytes.update(request.layer_bytes)
+            self._bytes.update(+sizes)
             self._measured_ns, self._sent_ns = request.took_ns, request.drawn_ns
-            self.link.send(request, request.drawn_ns, request.layer_bytes.total(), request.is_key)
+            self.link.send(request, request.drawn_ns, sizes.total(), request.is_key)
         self._shown = self.link.newest(now_ns)
         return self._shown.frame if self._shown is not None else None
 
@@ -717,4 +672,5 @@ class _RemoteChannel(Channel):
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
         """Return the `link` of summary.json, with the connection."""
-        return {**super().summary(rate_hz), "codec": self._remote.codec, "feed": self._remote.summary()}
+        codec = feed_coding.CODECS.get(self._remote.format, "none")
+        return {**super().summary(rate_hz), "codec": codec, "feed": self._remote.summary()}

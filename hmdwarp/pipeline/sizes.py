@@ -195,67 +195,43 @@ def build_plan_for(
         raise InputError(
             f"headset '{headset.name}' has no lens, so --lens {options.lens} cannot be applied: use --lens none"
         )
-    if options.source_kind is PROXY:
-        plan = _plan_behind_proxy(options, scene, beyond.get("distorts", ""))
+    kind = options.source_kind
+    how: dict[str, Any] = {"brings": kind.layers, "fused": options.fused}
+    selected: tuple[str, ...] = ()
+    how["scanout"] = options.scanout_ms > 0 and options.follow_scanout
+    if kind is PROXY:  # its picture is finished
+        limits = "; a proxy sends the finished picture alone: show it by --warp none or rotation"
+        how |= {"client_geometry": False, "distorts": beyond.get("distorts", "")}
     else:
-        plan = _plan_of_all(options, scene, shares_frames, **beyond)
-    check_suited(scene, plan.choice, options.indirect)
-    if options.client_name:
-        check_client(plan, load_client(options.client_name))
-    return plan
-
-
-def check_suited(scene: Scene | None, warp: Choice[Warp], indirect: str) -> None:
-    """Check that a scene calls for them. Errors: PlanError."""
-    if scene is None:
-        return
-    if why := warp.entry.unsuited(scene):
-        raise PlanError(f"warp '{warp}' is not for scene '{scene.name}': {why}")
-    light = parse_indirect(indirect)
-    if light is not None and (why := light.entry.unsuited(scene)):
-        raise PlanError(f"indirect light '{indirect}' is not for scene '{scene.name}': {why}")
-
-
-def _plan(selected: Any, options: PipelineOptions, **more: Any) -> Plan:
-    """Return the plan that compensates what is selected, with what all plans take of options."""
-    return build_plan(
-        selected,
-        options.warp,
-        options.fill,
-        options.lens,
-        brings=options.source_kind.layers,
-        fused=options.fused,
-        scanout=options.scanout_ms > 0 and options.follow_scanout,
-        **more,
-    )
-
-
-def _plan_of_all(options: PipelineOptions, scene: Scene | None, shares_frames: bool, **beyond: str) -> Plan:
-    """Return the plan of who gets the server's frames. beyond: as in build_plan."""
-    called_for, kind = effects.of(scene) if scene is not None else (), options.source_kind
-    # What recorded frames show is not known, so that what is forced is never without content.
-    selected = effects.selected(options.effects, called_for, scene if kind is not RECORDING else None)
-    try:
-        plan = _plan(
-            selected,
-            options,
-            client_geometry=kind.has_geometry,
-            named=selected if shares_frames else effects.forced(options.effects),
-            forced={*selected} - {*called_for},
-            forbidden={*called_for} - {*selected},
-            indirect=options.indirect,
-            fovea=options.fovea,
+        called_for, limits = effects.of(scene) if scene is not None else (), kind.limits
+        # What recorded frames show is not known, so that what is forced is never without content.
+        selected = effects.selected(options.effects, called_for, scene if kind is not RECORDING else None)
+        how |= {
+            "client_geometry": kind.has_geometry,
+            "named": selected if shares_frames else effects.forced(options.effects),
+            "forced": {*selected} - {*called_for},
+            "forbidden": {*called_for} - {*selected},
+            "indirect": options.indirect,
+            "fovea": options.fovea,
             **beyond,
-        )
+        }
+    try:
+        plan = build_plan(selected, options.warp, options.fill, options.lens, **how)
     except PlanError as error:
-        if not kind.limits:
-            raise
-        raise PlanError(f"{error}{kind.limits}") from error
+        raise PlanError(f"{error}{limits}") from error
+    if kind is PROXY:
+        compensated = proxy_plan_for(options, scene).effects
+        done = f"the proxy compensates it, as far as its warp '{options.proxy.warp}' can"
+        left_out = ((name, done if name in compensated else why) for name, why in plan.left_out)
+        plan = attrs.evolve(plan, left_out=tuple(left_out))
     for planned in plan.effect_passes:
         if kind.eyes < 2 and planned.needs.others.other_eye:
             raise PlanError(
                 f"--effects {planned.effects[0].name} looks into the other eye's picture{kind.limits}: leave it out"
             )
+    check_suited(scene, plan.choice, options.indirect)
+    if options.client_name:
+        check_client(plan, load_client(options.client_name))
     return plan
 
 
@@ -267,18 +243,11 @@ def proxy_plan_for(options: PipelineOptions, scene: Scene | None) -> Plan:
     return build_plan_for(options.to_proxy(), None, scene)
 
 
-def _plan_behind_proxy(options: PipelineOptions, scene: Scene | None, distorts: str) -> Plan:
-    """Return the plan of a client that gets the proxy's finished picture. Errors: as build_plan."""
-    done = f"the proxy compensates it, as far as its warp '{options.proxy.warp}' can"
-    compensated = proxy_plan_for(options, scene).effects
-    try:
-        plan = _plan((), options, client_geometry=False, distorts=distorts)
-    except PlanError as error:
-        raise PlanError(
-            f"{error}; a proxy sends the finished picture alone: show it by --warp none or rotation"
-        ) from error
-    left_out = ((name, done if name in compensated else why) for name, why in plan.left_out)
-    return attrs.evolve(plan, left_out=tuple(left_out))
+def check_suited(scene: Scene | None, warp: Choice[Warp], indirect: str) -> None:
+    """Check that a scene calls for them. Errors: PlanError."""
+    for what, choice in ((f"warp '{warp}'", warp), (f"indirect light '{indirect}'", parse_indirect(indirect))):
+        if scene is not None and choice is not None and (why := choice.entry.unsuited(scene)):
+            raise PlanError(f"{what} is not for scene '{scene.name}': {why}")
 
 
 def plan_against(options: PipelineOptions, warp: str, fill: str) -> Plan:

@@ -21,16 +21,15 @@ from ..client import ClientScene, History, Plan
 from ..errors import InputError
 from ..frames import Frame, Needs
 from ..frames.layers import PICTURE
-from ..geometry import Eyes, Guard, Pose, View, looking
+from ..geometry import Eyes, Guard, Pose, looking
 from ..gpu import Gpu
 from ..headsets import Headset, load_headset
-from ..link import LinkOptions
 from ..poses import LoadedTrace, PoseSample, PoseSource
 from ..poses.assumptions import Assumption
 from ..poses.track import Gaze, Moment
 from ..scenes import InputEvent, InputLog, Scene
 from ..sources.server import Renderer, Server
-from .channel import Channel, ChannelSetup, Coder, Reads
+from .channel import Channel, Reads, Way
 from .options import SCENE, PipelineOptions, SourceKind
 
 # Where recorded frames are at an instant.
@@ -44,22 +43,18 @@ class PoseRequest:
     source: PoseSource
     # Predicts the head at an instant for so long after it; None for no prediction.
     predicted: Callable[[int, int], PoseSample] | None
-    # (w, h) of one eye.
-    size: tuple[int, int]
-    # What is rendered beyond the shown view.
-    guard: Guard
-    # Layers that frames carry.
-    needs: Needs
-    # Time from the first row of the display to its last.
-    scanout_ns: int = 0
+    size: tuple[int, int]  # (w, h) of one eye
+    guard: Guard  # what is rendered beyond the shown view
+    needs: Needs  # layers that frames carry
+    scanout_ns: int = 0  # time from the first row of the display to its last
     # From drawing a frame to showing it, as far as that is known beforehand; set anew where the
     # latency changes during a run.
     age_ns: int = 0
     # What is read of the eyes' pictures, by readable name; none are drawn where it is empty.
     pictures: frozenset[str] = frozenset(PICTURE)
-    # Where the eyes look as the server knows it at an instant, or will so long after it, in a
-    # head's axes; None where frames are as sharp everywhere.
-    gaze: Callable[[int, int, Pose], Gaze | None] | None = None
+    # Where the eyes look as the server knows it at an instant, in a head's axes; None where frames
+    # are as sharp everywhere.
+    gaze: Callable[[int, Pose], Gaze | None] | None = None
 
     def for_server(self, now_ns: int, later_ns: int = 0) -> PoseSample:
         """Return the pose for a frame drawn now: the current or the predicted one.
@@ -68,22 +63,18 @@ class PoseRequest:
         """
         ahead_ns = self.age_ns + later_ns
         head = self.source.head_at(now_ns) if self.predicted is None else self.predicted(now_ns, ahead_ns)
-        return head if self.gaze is None else attrs.evolve(head, gaze=self.gaze(now_ns, ahead_ns, head.pose))
+        return head if self.gaze is None else attrs.evolve(head, gaze=self.gaze(now_ns, head.pose))
 
 
 @attrs.frozen(eq=False)
 class Target:
     """Where the pictures of a run go."""
 
-    # Belongs to the caller.
-    gpu: Gpu
+    gpu: Gpu  # belongs to the caller
     eyes: Eyes
-    # Refresh rate of the display.
-    rate_hz: float
-    # Delay of the link alone, without the wait for the next refresh.
-    link_latency_ns: int
-    # Headset whose lens the plans correct, or None.
-    lens_of: Headset | None = None
+    rate_hz: float  # refresh rate of the display
+    link_latency_ns: int  # delay of the link alone, without the wait for the next refresh
+    lens_of: Headset | None = None  # headset whose lens the plans correct, or None
 
 
 class FrameSource(ABC):
@@ -104,9 +95,9 @@ class FrameSource(ABC):
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:  # noqa: B027 (most do not care)
         """Take note of whether a frame arrived, which the sender hears at that instant."""
 
-    def channel(self, setup: ChannelSetup) -> Channel:
-        """Return the channel that the frames come through."""
-        return Channel(setup, self.recycle)
+    def channel(self, *setup: Any) -> Channel:
+        """Return the channel that the frames come through. setup: of a Channel, without recycle."""
+        return Channel(self.recycle, *setup)
 
 
 @attrs.frozen(eq=False)
@@ -127,19 +118,9 @@ class ServerFrames(FrameSource):
         asked, timer = self.requested, self.server.gpu.timer
         is_seen = now_ns < self.unseen_from_ns
         with timer.stage("render"):
-            views: Sequence[View] = self.eyes.views(head.pose)
-            if head.gaze is not None:
-                views = looking(views, head.gaze)
-            frame = self.server.draw_frame(
-                views,
-                now_ns,
-                asked.size,
-                asked.guard,
-                asked.needs,
-                shown_size=asked.size,
-                age_ns=asked.age_ns,
-                pictures=bool(asked.pictures) if is_seen else None,
-            )
+            views = self.eyes.views(head.pose) if head.gaze is None else looking(self.eyes.views(head.pose), head.gaze)
+            pictures, size = bool(asked.pictures) if is_seen else None, asked.size
+            frame = self.server.draw_frame(views, now_ns, size, asked.guard, asked.needs, size, asked.age_ns, pictures)
         if not is_seen:  # weighs what it would
             left_out = frozenset() if asked.pictures else frozenset(PICTURE)
             frame = attrs.evolve(frame, eyes=tuple(attrs.evolve(eye, left_out=left_out) for eye in frame.eyes))
@@ -160,12 +141,12 @@ def joined(
     geometry: ClientScene,
     requested: PoseRequest,
     plans: Sequence[Plan],
-    link: tuple[LinkOptions, int, float, Coder | None],
+    way: Way,
     stack: ExitStack,
 ) -> tuple[Channel, History]:
     """Return the channel of the frames, and the older ones that these plans keep.
 
-    link: its options, latency in ns, refresh rate and coder. Both are freed with the stack.
+    Both are freed with the stack.
     """
 
     def settled(frame: Frame, arrived: bool, heard_ns: int) -> None:  # both ends take note of it
@@ -175,7 +156,7 @@ def joined(
 
     history = History(requested.needs.others, frames.recycle)
     stack.callback(history.close)
-    channel = frames.channel(ChannelSetup(*link, Reads.of(plans), history.offer, settled))
+    channel = frames.channel(way, Reads.of(plans), history.offer, settled)
     stack.callback(channel.close)
     return channel, history
 
@@ -211,9 +192,8 @@ Options = TypeVar("Options", bound=PipelineOptions)
 class Source:
     """A scene that is drawn here; the other sources say where they differ.
 
-    Scene and headset are loaded at first use, once. scene: in place of the one that the options
-    name.
-    Errors, at first use: as load_scene and load_headset.
+    scene: in place of the one that the options name. Errors, where it or the headset is first used:
+    as load_scene and load_headset.
     """
 
     kind: SourceKind = SCENE
@@ -243,7 +223,7 @@ class Source:
     @property
     def title(self) -> str:
         """Its kind and name, for messages."""
-        return f"scene '{self.scene.name}'"
+        return f"{'scene' if self.entry is None else 'recorded frames'} '{self.scene.name}'"
 
     @property
     def notes(self) -> list[str]:
@@ -263,11 +243,12 @@ class Source:
 
         needs: of all of them, and of others on the same frames. eyes: of the display.
         """
-        if needs.others.other_eye and min(eyes, self.kind.eyes) < 2:
-            why, remedy = "the flat view has one eye", "use the view of both eyes"
-            if self.kind.eyes < 2:
-                why, remedy = "recorded frames have one eye", "multi:eye=own looks into older frames alone"
-            raise InputError(f"{why}, and this warp or fill looks into the other eye's picture: {remedy}")
+        for count, who, remedy in (
+            (self.kind.eyes, "recorded frames have", "multi:eye=own looks into older frames alone"),
+            (eyes, "the flat view has", "use the view of both eyes"),
+        ):
+            if needs.others.other_eye and count < 2:
+                raise InputError(f"{who} one eye, and this warp or fill looks into the other eye's picture: {remedy}")
 
     def measured(self, options: Options, **first: Any) -> Options:
         """Connect where frames come from elsewhere, and return the options with the way's latency.
@@ -292,12 +273,7 @@ class Source:
         return self.inputs.add(event)
 
     def frames(
-        self,
-        options: PipelineOptions,
-        server: Renderer,
-        target: Target,
-        requested: PoseRequest,
-        stack: ExitStack,
+        self, options: PipelineOptions, server: Renderer, target: Target, requested: PoseRequest, stack: ExitStack
     ) -> FrameSource:
         """Return where the frames of a loop come from; what it needs is freed with the stack."""
         return ServerFrames(server, requested, target.eyes)

@@ -2,8 +2,8 @@ from .formats import load_trace as load_trace
 from .options import TraceOptions as TraceOptions
 from .prediction import analyse as analyse
 from .prediction import error_row as error_row
-from .prediction import foreseen_gaze as foreseen_gaze
 from .prediction import gaze_of as gaze_of
+from .prediction import known_gaze as known_gaze
 from .prediction import predict as predict
 from .prediction import trace_as_json as trace_as_json
 from .predictors import predictors as predictors

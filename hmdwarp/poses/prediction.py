@@ -1,6 +1,6 @@
 """Prediction of the head from past motion, and how far it misses.
 
-And where the eyes look: known late like the head, held or predicted.
+And where the eyes look: known as late as the head, and held.
 """
 
 from __future__ import annotations
@@ -20,39 +20,23 @@ from . import quaternions
 from .assumptions import assumption_rows
 from .predictors import Predictor, predictors
 from .reading.cleaning import LoadedTrace
-from .track import SACCADE_DEG_S, Gaze, Origin, PoseSample, PoseTrack
+from .track import Gaze, Origin, PoseSample, PoseTrack
 
 Array = NDArray[np.float64]
 
 KNOWN_NS = 50_000_000  # of motion before a prediction, as of the head's predictor constant_velocity
-_HORIZON_NS = 100_000_000  # beyond it a pursuit has long been corrected by a leap
 
 
-def foreseen_gaze(track: PoseTrack, now_ns: int, ahead_ns: int = 0, head: Pose | None = None) -> Gaze | None:
-    """Return the gaze so long after an instant, as known at that instant; None where it is not.
+def known_gaze(track: PoseTrack, now_ns: int, head: Pose) -> Gaze | None:
+    """Return the gaze at an instant in the axes of a head; None where it is not known.
 
-    head: in whose axes, by default the one at that instant. What eyes look at stays where it is in
-    the world. A pursuit goes on at its speed there, for 100 ms at most; after a leap it is held.
+    What eyes look at stays where it is in the world.
     """
-    now = _in_world(track, now_ns)
-    if now is None:
+    sample = track.at(now_ns)
+    if sample.gaze is None:
         return None
-    before = _in_world(track, now_ns - KNOWN_NS) if ahead_ns > 0 else None
-    if before is not None and track.gaze is not None:
-        seen = slice(max(track.index_at(now_ns - KNOWN_NS), 0), track.index_at(now_ns) + 1)
-        world = quaternions.rotate(track.orientation_xyzw[seen], track.gaze[seen])
-        # Eyes that leapt in the window, or were lost, say nothing of where they go.
-        turned = np.degrees(np.arccos(np.clip(np.einsum("ij,ij->i", world[1:], world[:-1]), -1, 1)))
-        if np.isfinite(world).all() and not (turned > SACCADE_DEG_S * 1e-9 * np.diff(track.time_ns[seen])).any():
-            now = now + (now - before) * min(ahead_ns, _HORIZON_NS) / KNOWN_NS
-            now = now / np.linalg.norm(now)
-    x, y, z = ((head or track.at(now_ns).pose).rotation_matrix.T @ now).tolist()
+    x, y, z = (head.rotation_matrix.T @ (sample.pose.rotation_matrix @ np.array(sample.gaze))).tolist()
     return x, y, z
-
-
-def _in_world(track: PoseTrack, time_ns: int) -> Array | None:
-    sample = track.at(time_ns)
-    return None if sample.gaze is None else sample.pose.rotation_matrix @ np.array(sample.gaze)
 
 
 def gaze_of(samples: Sequence[PoseSample]) -> Array | None:
@@ -97,7 +81,7 @@ def predict(
     if i >= 0 and target_ns <= int(track.time_ns[i]):
         return track.at(target_ns)
     sample, known_ns = predictor.predict(track, now_ns, target_ns, horizon_ns), min(now_ns, int(track.time_ns[i]))
-    return sample if track.gaze is None else attrs.evolve(sample, gaze=foreseen_gaze(track, known_ns, 0, sample.pose))
+    return sample if track.gaze is None else attrs.evolve(sample, gaze=known_gaze(track, known_ns, sample.pose))
 
 
 _MS = 1_000_000

@@ -27,7 +27,7 @@ from ..link.codec import codecs
 from ..metrics import Alike, PairPass, QualityJob, QualityPool
 from ..pipeline import Changes, Channel, Coder, Loop, Reads, source_of
 from ..pipeline.governor import AdaptiveCompensator, Governor
-from ..pipeline.options import PREDICTED_GAZE, REMOTE, SERVER_SCENE, PipelineOptions
+from ..pipeline.options import REMOTE, SERVER_SCENE, PipelineOptions
 from ..pipeline.sizes import (
     check_held,
     expected_age_ns,
@@ -46,7 +46,7 @@ from ..poses import (
     PoseSource,
     PoseTrack,
     RecordedSource,
-    foreseen_gaze,
+    known_gaze,
     load_trace,
     predict,
     predictors,
@@ -170,8 +170,8 @@ class Run(Generic[Options]):
         def predicted(now_ns: int, ahead_ns: int) -> PoseSample:
             return predict(known(now_ns), now_ns, now_ns + ahead_ns, predictor, horizon_ns)
 
-        def gaze(now_ns: int, ahead_ns: int, head: Pose) -> Gaze | None:
-            return foreseen_gaze(known(now_ns), now_ns, ahead_ns if options.gaze == PREDICTED_GAZE else 0, head)
+        def gaze(now_ns: int, head: Pose) -> Gaze | None:
+            return known_gaze(known(now_ns), now_ns, head)
 
         requested = PoseRequest(
             poses,

@@ -6,14 +6,14 @@
 #include "lib/scatter_sizes.glsl"
 #include "lib/scatter_depth.glsl"
 layout(r32f) writeonly uniform image2D shown_inverse_depth;
-layout(std430, binding = 0) readonly buffer Keys { uint key_of[]; }; // WORDS each, the last one counts
+layout(std430, binding = 0) readonly buffer Keys { uint key_of[]; };
 
 void main() {
     ivec2 p = first_pixel();
     if (p.x >= shown_size.x) return;
     for (int row = 0; row < ROWS; ++row, ++p.y) {
         if (p.y >= shown_size.y) break;
-        uint key = key_of[WORDS * (p.y * shown_size.x + p.x) + WORDS - 1];
+        uint key = key_of[p.y * shown_size.x + p.x];
         float depth = key < FAR_KEYS ? 0.0 : uintBitsToFloat(FARTHEST_BITS + (key - FAR_KEYS) / 16u);
         imageStore(shown_inverse_depth, p, vec4(key == 0u ? -1.0 : depth));
     }

@@ -14,9 +14,7 @@ from hmdwarp.client.warps.mesh import MOST_SIDE
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import GuardBand
 
-# The 64-bit path of forward wants what few drivers have; tests/client/test_forward.py holds it
-# against the other.
-CHOICES = [spec for spec in every_choice() if spec != "forward:path=atomic64"]
+CHOICES = every_choice()
 # Numbers that nobody's baseline is; words are among the choices.
 SETTINGS = [
     "iterative:slanted=3",

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import subprocess
-
-import needs
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from worlds import World
 
-from hmdwarp.client import parse_warp
 from hmdwarp.client.warps import warps
-from hmdwarp.client.warps.forward import ATOMIC64
-from hmdwarp.errors import InputError, MachineError
+from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose, View
-from hmdwarp.gpu import flatten
 
 from .scatters import Scatter
 
@@ -111,63 +105,10 @@ def test_a_shown_picture_beyond_the_room_for_keys_is_refused(gpu):
         warps.get("forward")(gpu, (16, 16), (side, side))
 
 
-# --- one pass with a 64-bit key -----------------------------------------------------------------
-
-
-@pytest.fixture
-def atomic64(gpu) -> None:
-    missing = [name for name in ATOMIC64 if name not in gpu.gl.extensions]
-    if missing:
-        pytest.skip(f"{gpu.renderer} has no {', '.join(missing)}: nothing to compare")
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_both_paths_give_the_same_picture_bit_for_bit(gpu, atomic64, seed):
-    world = World(gpu, seed, (131, 97), (120, 101))
-    assert np.array_equal(world.warp(gpu, "forward:path=portable"), world.warp(gpu, "forward:path=atomic64"))
-
-
-@pytest.mark.parametrize(("size", "shown_size"), MINIFIED, ids=str)
-def test_both_paths_settle_ties_alike(gpu, atomic64, size, shown_size):
-    Scatter(gpu, size, shown_size, spec="forward:path=atomic64").check(np.full(size[::-1], 0.5))
-    Scatter(gpu, size, shown_size, spec="forward:path=atomic64").check(np.zeros(size[::-1]))
-
-
-def test_where_64_bit_atomics_are_missing_one_line_says_so(gpu):
-    if not [name for name in ATOMIC64 if name not in gpu.gl.extensions]:
-        pytest.skip(f"{gpu.renderer} has them")
-    choice = parse_warp("forward:path=atomic64")
-    with pytest.raises(MachineError, match=r"needs GL_NV_shader_atomic_int64.*use path=auto") as caught:
-        choice.entry(gpu, (8, 8), (8, 8), choice.settings)
-    assert "\n" not in str(caught.value)
-
-
-@needs.programs("glslangValidator")
-@pytest.mark.parametrize("number", [0, 1])
-def test_the_one_pass_shader_is_valid_glsl(tmp_path, number):
-    """By the reference compiler, so that it is checked where no driver takes it. It has the
-    function from GLSL 4.40 on only."""
-    file = tmp_path / "one_pass.comp"
-    file.write_text(
-        flatten("warps/forward_atomic64.comp", {"PASS": number}).text.replace("#version 430", "#version 450")
-    )
-    done = subprocess.run(["glslangValidator", file], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout
-
-
 # --- the order from the epipole -------------------------------------------------------------------
 
 
-SHEETS = ["forward_ordered:sheets=rings", "forward_ordered:sheets=rows"]
-
-
-def both(gpu, step: np.ndarray, depth: np.ndarray, spec: str) -> tuple[np.ndarray, np.ndarray]:
-    """Winners by the order and by the depth test."""
-    size = depth.shape[::-1]
-    return tuple(Scatter(gpu, size, size, shown_pose=Pose(step), spec=each).run(depth) for each in (spec, "forward"))
-
-
-@pytest.mark.parametrize("spec", SHEETS)
+@pytest.mark.parametrize("spec", ["forward_ordered:sheets=rings", "forward_ordered:sheets=rows"])
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("where", ["inside", "centre", "behind", "infinite", "none", "outside", "corner"])
 def test_wherever_the_epipole_lies_the_painted_twin_agrees(gpu, spec, seed, where):

@@ -19,27 +19,13 @@ def given_of(first: View, last: View | None) -> PassInputs:
 
 
 @given(poses(), poses(), FOVS)
-def test_the_middle_is_half_way(first, last, fov):
-    both = given_of(View(first, fov), View(last, fov))
-    assert both.middle.pose.isclose(first.towards(last, 0.5), 1e-12)
-    assert both.middle.fov == fov
-
-
-@given(poses(), poses(), FOVS)
-def test_at_once_shows_the_middle_and_nothing_later(first, last, fov):
-    both = given_of(View(first, fov), View(last, fov))
+def test_at_once_shows_the_view_half_way_and_nothing_later(first, last, fov):
+    both, one = (given_of(View(first, fov), end) for end in (View(last, fov), None))
     at_once = both.at_once()
-    assert at_once.shown_last is None
-    assert at_once.shown.pose.isclose(both.middle.pose, 0)
-    assert at_once.middle is at_once.shown
-    assert at_once.at_once() is at_once
-
-
-@given(poses(), FOVS)
-def test_a_display_that_lights_up_at_once_stays_as_it_is(pose, fov):
-    one = given_of(View(pose, fov), None)
-    assert one.middle is one.shown
-    assert one.at_once() is one
+    assert both.middle.pose.isclose(first.towards(last, 0.5), 1e-12) and both.middle.fov == fov
+    assert at_once.shown_last is None and at_once.shown.pose.isclose(both.middle.pose, 0)
+    for each in (at_once, one):  # a display that lights up at once stays as it is
+        assert each.middle is each.shown and each.at_once() is each
 
 
 @pytest.mark.parametrize(

@@ -79,12 +79,6 @@ def test_the_pass_equals_its_twin(gpu, name, eye, shown_size, panel_size):
             assert decided.mean() > 0.95
 
 
-def test_holes_keep_their_coverage(gpu):
-    headset, panel_size = load_headset("rift-dk1"), (41, 43)
-    got = through_the_lens(gpu, np.zeros((30, 30, 4)), headset, 0, panel_size)
-    assert np.array_equal(got, np.zeros_like(got))
-
-
 def test_colours_part_where_the_lens_parts_them(gpu):
     """The DK1's blue is magnified more than its red. The three channels of a grey picture differ
     away from the axis, not on it."""

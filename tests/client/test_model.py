@@ -130,21 +130,3 @@ def test_a_head_at_rest_does_not_stop_what_is_still_to_come(tmp_path):
     (model,) = result.summary["client_models"]
     assert model["arrived"] == model["things"]
     assert result.summary["link"]["frames"]["unchanged"] > 0
-
-
-def test_the_sender_holds_no_more_however_long_the_network_loses_everything(gpu):
-    """Ten minutes of lost frames: what waits is what waited at the start."""
-    server = Server(gpu, load_scene("planes"))
-    choice = parse_warp("model:arrives=progressive,budget=3000")
-    needs = choice.entry.needs(choice.settings)
-    held = []
-    for step in range(600):
-        frame = server.draw_frame([HERE], 1_000_000_000 * step, (8, 6), needs=needs)
-        server.heard(frame, False, 1_000_000_000 * (step + 2))
-        server.recycle(frame)
-        (sender,) = server._parts[None, "scene_update"]._senders.values()
-        held.append((sum(map(len, sender.book._waiting.values())), len(sender.book._news)))
-    waiting = [fragments for fragments, _ in held]
-    assert waiting[0] > 0 and max(waiting) == waiting[0]
-    assert max(news for _, news in held) <= 3
-    server.close()

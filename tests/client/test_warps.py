@@ -16,7 +16,6 @@ from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu import SCALAR, allocate
 
 from .rendered_pictures import FOV, square_before_a_wall, warped
-from .scatters import Scatter
 
 # --- homographies: behind the eye, through the plane, without a turn ------------------------------
 
@@ -224,30 +223,6 @@ def test_a_floor_to_the_horizon_stays_whole(gpu, spec):
     floor = np.broadcast_to(np.maximum(-tangent / 1.6, 0)[:, None], FLOOR[::-1])  # 1.6 m below; sky above
     out = warped(gpu, spec, np.ones((*FLOOR[::-1], 4)), floor, Pose((0.15, 0.3, 0)), fov=TALL)
     assert (out[:, 8:-8, 3] == 1).all()
-
-
-# --- forward_raster: the later one in raster order stays ------------------------------------------
-
-
-def painted(scatter: Scatter, depth: np.ndarray, step: int) -> np.ndarray:
-    """One pixel after the other in raster order, each `step` pixels per 1/m to the left."""
-    wide, high = scatter.size
-    out = np.full((high, wide), -1)
-    for y in reversed(range(high)):
-        for x in range(wide):
-            to = x - round(step * depth[y, x])
-            if depth[y, x] >= 0 and 0 <= to < wide:
-                out[y, to] = y * wide + x
-    return out
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_a_loop_over_the_pixels_gives_the_same(gpu, seed):
-    """0.5 m to the right at 32 pixels per tangent: 16 px of parallax at 1 m. Depths in eighths land
-    on whole pixels."""
-    scatter = Scatter(gpu, (64, 48), (64, 48), shown_pose=Pose((0.5, 0, 0)), spec="forward_raster")
-    depth = np.random.default_rng(seed).choice([-1.0, 0, 0.125, 0.5, 1], (48, 64))
-    assert np.array_equal(scatter.run(depth), painted(scatter, depth, 16))
 
 
 # --- the median depth of planar and similarity ----------------------------------------------------

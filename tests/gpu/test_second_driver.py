@@ -1,7 +1,7 @@
 """A second OpenGL driver beside llvmpipe: Zink over lavapipe, which runs on Vulkan.
 
 Another compiler and another API below the same shaders, in processes of its own, because a driver
-is chosen before the first context. It has 64-bit atomics and timer queries, which llvmpipe lacks.
+is chosen before the first context. It has timer queries, which llvmpipe lacks.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ ZINK = {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "zink", "ZINK_INLINE_UNI
 ZINK |= {"LP_NUM_THREADS": "2"}  # with none (conftest.py) its timers at times do not agree with the wall
 NAME = "Zink over lavapipe"
 RENDERER = "from hmdwarp.gpu import Gpu; print(Gpu().renderer)"
-# The timers, the 64-bit path, blocks of 4 of meshes, the hard cases, and whole replays. That warps
-# and fills equal their twins follows: they make llvmpipe's pictures.
+# The timers, blocks of 4 of meshes, the hard cases, and whole replays. That warps and fills equal
+# their twins follows: they make llvmpipe's pictures.
 SELECTED = (
     "tests/gpu/test_timers.py", "tests/gpu/test_programs.py", "tests/client/test_forward.py",
     "tests/client/test_mesh_adaptive.py", "tests/hard_cases", "tests/test_golden.py",
@@ -84,7 +84,7 @@ def said(done: subprocess.CompletedProcess[str]) -> str:
 
 @pytest.mark.slow(30)
 def test_every_pair_of_warp_and_fill_makes_the_same_picture(gpu, tmp_path, record_property):
-    """Bit for bit, the 64-bit path as the portable one; rounded sums within the bound."""
+    """Bit for bit; rounded sums within the bound."""
     if not gpu.renderer.startswith("llvmpipe"):
         pytest.skip(f"the pictures are compared with llvmpipe's; this is {gpu.renderer}")
     done = on_zink("tests/driver_pictures.py", str(tmp_path / "zink.npz"))
@@ -92,11 +92,10 @@ def test_every_pair_of_warp_and_fill_makes_the_same_picture(gpu, tmp_path, recor
     _, _, clock, *_ = done.stdout.splitlines()
     assert clock == "gpu", "its timer queries are right, but were not used"
     theirs, ours = dict(np.load(tmp_path / "zink.npz")), driver_pictures.all_of(gpu)
-    beyond = {name for name in theirs if "path=atomic64" in name}
-    assert beyond and set(theirs) - beyond == set(ours)
+    assert set(theirs) == set(ours)
     same = 0
     for name, picture in theirs.items():
-        wanted = ours[name.replace("path=atomic64", "path=portable")]
+        wanted = ours[name]
         off, largest = (np.abs(array).max(axis=(0, 1)) for array in (picture - wanted, wanted))
         assert (off <= most_off(name.rpartition(" + ")[2]) * largest).all(), f"{name} differs by {off}"
         same += not off.any()

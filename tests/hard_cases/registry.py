@@ -9,8 +9,7 @@ from worlds import every_choice
 
 from .setting import Setting
 
-# The 64-bit path of forward wants what few drivers have.
-CHOICES = [spec for spec in every_choice() if spec != "forward:path=atomic64"]
+CHOICES = every_choice()
 TWIN = "what the float64 twin says"
 
 

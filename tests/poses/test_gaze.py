@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import TraceError
 from hmdwarp.geometry import Pose
-from hmdwarp.poses import PoseTrack, foreseen_gaze, load_trace, predict, synthesise
+from hmdwarp.poses import PoseTrack, known_gaze, load_trace, predict, synthesise
 from hmdwarp.poses.formats import formats
 from hmdwarp.poses.predictors import predictors
 
@@ -68,33 +68,14 @@ def test_what_is_no_direction_is_refused(wrong):
         PoseTrack([0], np.zeros((1, 3)), [[0, 0, 0, 1]], gaze=np.array(wrong, float))
 
 
-def test_a_pursuit_goes_on_and_everything_else_is_held():
-    pursuit = track([towards(0.2 * n) for n in range(20)])  # 20 degrees a second
-    now = 100 * MS
-    assert angle(foreseen_gaze(pursuit, now)) == pytest.approx(2)
-    assert angle(foreseen_gaze(pursuit, now, 50 * MS)) == pytest.approx(3, abs=0.01)  # along a chord
-    assert foreseen_gaze(pursuit, now, 100 * MS) == foreseen_gaze(pursuit, now, 900 * MS), "100 ms at most"
-    leapt = track([towards(0)] * 8 + [towards(3)] * 12)  # 3 degrees in 10 ms
-    assert foreseen_gaze(leapt, now, 50 * MS) == pytest.approx(leapt.gaze_at(now))
-    blinked = track([towards(0.2 * n) if n != 8 else NONE for n in range(20)])
-    assert foreseen_gaze(blinked, now, 50 * MS) == pytest.approx(blinked.gaze_at(now))
-
-
-def test_eyes_that_rest_on_something_are_foreseen_there_however_the_head_turns():
+def test_eyes_that_rest_on_something_are_known_there_however_the_head_turns():
     """The head turns to the left by 150 degrees a second, and the eyes against it."""
     turns = Rotation.from_euler("y", 1.5 * np.arange(20)[:, None], degrees=True)
     eyes = turns.inv().apply(towards(3))
     resting = track(eyes).evolve(orientation_xyzw=turns.as_quat())
-    later = Pose((0, 0, 0), turns[15].as_quat())
-    for ahead_ns in (0, 50 * MS):
-        assert foreseen_gaze(resting, 100 * MS, ahead_ns) == pytest.approx(eyes[10], abs=1e-9)
-        assert foreseen_gaze(resting, 100 * MS, ahead_ns, later) == pytest.approx(eyes[15], abs=1e-9)
-
-
-def test_nothing_after_now_is_known():
-    gazes = [towards(0.2 * n) for n in range(20)]
-    other = gazes[:11] + [towards(-30)] * 9
-    assert foreseen_gaze(track(gazes), 100 * MS, 50 * MS) == foreseen_gaze(track(other), 100 * MS, 50 * MS)
+    for number in (10, 15):
+        head = Pose((0, 0, 0), turns[number].as_quat())
+        assert known_gaze(resting, 100 * MS, head) == pytest.approx(eyes[number], abs=1e-9)
 
 
 @pytest.mark.parametrize("method", predictors.names())

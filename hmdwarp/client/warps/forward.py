@@ -10,7 +10,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, MachineError
+from ...errors import InputError
 from ...geometry import WarpMap, view_map
 from ...gpu import Compute, Gpu
 from ...gpu.textures import Canvas, bind_images
@@ -50,13 +50,13 @@ class ScatterWarp(Warp):
         self.set_sizes(program)
         program.uniforms.set_declared(**self._units, **more)
 
-    def empty_keys(self, words: int = 1) -> moderngl.Buffer:
-        """Return keys of `words` 32-bit words for each shown pixel, all 0: nothing has landed.
+    def empty_keys(self) -> moderngl.Buffer:
+        """Return a key for each shown pixel, all 0: nothing has landed.
 
         Errors: InputError for a picture beyond the GPU's buffer size.
         """
-        check_room(self.gpu, self.name, self.shown_size, KEY_BYTES * words)
-        keys = self.own(self.gpu.gl.buffer(reserve=KEY_BYTES * words * self.shown_size[0] * self.shown_size[1]))
+        check_room(self.gpu, self.name, self.shown_size, KEY_BYTES)
+        keys = self.own(self.gpu.gl.buffer(reserve=KEY_BYTES * self.shown_size[0] * self.shown_size[1]))
         keys.clear()
         return keys
 
@@ -107,106 +107,52 @@ def check_room(gpu: Gpu, name: str, size: tuple[int, int], bytes_per_pixel: int,
 
 MOST_PIXELS = 2**27 - 2  # the keys of infinitely far pixels are indices below 2^27, see shaders/lib/scatter_depth.glsl
 _TIE_HEADER = 16  # bytes before the winners: three work-group counts and one spare
-ATOMIC64 = ("GL_NV_shader_atomic_int64", "GL_ARB_gpu_shader_int64")  # extensions of the one-pass path
-
-
-@attrs.frozen
-class _ForwardSettings:
-    """Which atomics to use; the pictures are bit-identical."""
-
-    # portable: two 32-bit atomic passes. atomic64: one pass with a 64-bit key. auto: atomic64 where
-    # the driver has it.
-    path: Literal["auto", "portable", "atomic64"] = chosen("auto", "portable", "atomic64")
 
 
 @warps.register
 class Forward(ScatterWarp):
-    """Scatters pixels with an exact depth test by atomics.
+    """Scatters pixels with an exact depth test: two atomic passes, and three more where keys tie.
 
     Of equal depths the lower (row mod 4, column mod 4) wins.
     """
 
     name = "forward"
-    Settings = _ForwardSettings
 
     def prepare(self) -> None:
-        if self.rendered_size[0] * self.rendered_size[1] > MOST_PIXELS:
-            raise InputError(
-                f"a rendered picture of {self.rendered_size[0]}x{self.rendered_size[1]}: 'forward' takes at most "
-                f"{MOST_PIXELS} pixels"
-            )
-        path, missing = self.settings.path, [name for name in ATOMIC64 if name not in self.gpu.gl.extensions]
-        if path == "atomic64" and missing:
-            raise MachineError(
-                f"warp 'forward:path=atomic64' needs {' and '.join(missing)}, which {self.gpu.renderer} lacks: use "
-                "path=auto"
-            )
-        self._path: _OnePass | _Portable = (_Portable if path == "portable" or missing else _OnePass)(self)
-
-    def run(self, inputs: PassInputs, into: Canvas) -> None:
-        self.bind(inputs, into)
-        self._path.run(self.forward_map(inputs), into)
-
-    def depth_pass(self, words: int) -> Compute | None:
-        """Return the pass that reads the shown depth out of keys, if it is needed."""
-        if not self.output.depth:
-            return None
-        return self.gpu.shaders.compute("warps/forward_depth.comp", grid="shown", WORDS=words)
-
-
-class _Portable:
-    """Two 32-bit atomic passes, and three more, dispatched indirectly, where keys tie."""
-
-    def __init__(self, warp: Forward) -> None:
-        shaders, gl, self._warp = warp.gpu.shaders, warp.gpu.gl, warp
+        wide, high = self.rendered_size
+        if wide * high > MOST_PIXELS:
+            raise InputError(f"a rendered picture of {wide}x{high}: 'forward' takes at most {MOST_PIXELS} pixels")
+        shaders, gl = self.gpu.shaders, self.gpu.gl
         self._clear = shaders.compute("warps/forward_clear.comp")
         self._nearest, self._colour, *self._settle = (
             shaders.compute("warps/forward.comp", grid="rendered", PASS=k) for k in range(5)
         )
-        check_room(warp.gpu, warp.name, warp.shown_size, KEY_BYTES, _TIE_HEADER)
-        self._quads = -(-warp.shown_size[0] * warp.shown_size[1] // 4)
-        self._keys = warp.own(gl.buffer(reserve=16 * self._quads))
-        self._depth = warp.depth_pass(1)
-        self._ties = warp.own(gl.buffer(bytes(_TIE_HEADER) + b"\xff" * (16 * self._quads)))
+        check_room(self.gpu, self.name, self.shown_size, KEY_BYTES, _TIE_HEADER)
+        self._quads = -(-self.shown_size[0] * self.shown_size[1] // 4)
+        self._keys = self.own(gl.buffer(reserve=16 * self._quads))
+        # Reads the shown depth out of the keys, where it is needed.
+        self._depth = shaders.compute("warps/forward_depth.comp", grid="shown") if self.output.depth else None
+        self._ties = self.own(gl.buffer(bytes(_TIE_HEADER) + b"\xff" * (16 * self._quads)))
 
-    def run(self, forward: WarpMap, into: Canvas) -> None:
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        self.bind(inputs, into)
+        forward = self.forward_map(inputs)
         self._keys.bind_to_storage_buffer(0)
         self._ties.bind_to_storage_buffer(1)
         into.clear()
-        groups = self._nearest.groups(*self._warp.rendered_size)
+        groups = self._nearest.groups(*self.rendered_size)
         self._clear.uniforms.set(quads=self._quads, tie_dispatch=groups)
         self._clear.run(self._quads)
         for program in (self._nearest, self._colour, *self._settle):
-            self._warp.gpu.barrier()
-            self._warp.set(program, H=forward.H, e=forward.e)
-            if program in self._settle:
+            self.gpu.barrier()
+            self.set(program, H=forward.H, e=forward.e)
+            if program in self._settle:  # dispatched indirectly, by what tied
                 program.program.run_indirect(self._ties)
             else:
                 program.program.run(*groups)
         if self._depth is not None:
-            self._warp.set(self._depth)
-            self._depth.run(*self._warp.shown_size)
-
-
-class _OnePass:
-    """One 64-bit atomic pass; the pass that copies the colours clears the keys again."""
-
-    def __init__(self, warp: Forward) -> None:
-        self._warp, shaders = warp, warp.gpu.shaders
-        self._nearest = shaders.compute("warps/forward_atomic64.comp", grid="rendered", PASS=0)
-        self._resolve = shaders.compute("warps/forward_atomic64.comp", PASS=1)
-        self._keys, self._depth = warp.empty_keys(words=2), warp.depth_pass(2)
-
-    def run(self, forward: WarpMap, into: Canvas) -> None:
-        self._keys.bind_to_storage_buffer(0)
-        warp = self._warp
-        passes = [(self._nearest, warp.rendered_size), (self._resolve, warp.shown_size)]
-        if self._depth is not None:
-            passes.insert(1, (self._depth, warp.shown_size))
-        for program, size in passes:
-            warp.gpu.barrier()
-            warp.set(program, H=forward.H, e=forward.e)
-            program.run(*size)
+            self.set(self._depth)
+            self._depth.run(*self.shown_size)
 
 
 # Pixels from the picture's middle beyond which an epipole counts as this far in its direction: rows

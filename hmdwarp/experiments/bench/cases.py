@@ -171,7 +171,7 @@ def plan_of(
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:
     """Return the options of a run of one case, whose head does not depend on the latency."""
-    same = ("effects", "fovea_deg", "rim", "gaze", "start_s", "predict", "horizon_ms")
+    same = ("effects", "fovea_deg", "rim", "start_s", "predict", "horizon_ms")
     known: dict[str, Any] = options.of_run(*same, "out", "command") | {
         "trace": case.recording,
         "scene": case.scene,

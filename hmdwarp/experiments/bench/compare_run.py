@@ -181,7 +181,7 @@ def _run_options(options: CompareOptions, text: str, recording: str, latency_ms:
     by_strategy = RunOptions.of({"strategy": text, "frames": options.frames}, trace=recording)
     return attrs.evolve(
         by_strategy.over(latency_ms, options.network, options.coding),
-        **options.of_run("scene", "repair", "fovea_deg", "rim", "gaze", "metrics_every", "jod_s"),
+        **options.of_run("scene", "repair", "fovea_deg", "rim", "metrics_every", "jod_s"),
         size=options.eye_size,
         start_s=start_s,
         lens="none",

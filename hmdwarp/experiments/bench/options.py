@@ -105,7 +105,6 @@ class BenchOptions(RecordedOptions):
     sizes: tuple[Size, ...] = several(_RUN.size, DEFAULT_SIZES, "Pixels of one eye", each=_size)
     fovea_deg: float | None = same_as(_RUN.fovea_deg)
     rim: int = same_as(_RUN.rim)
-    gaze: str = same_as(_RUN.gaze)
     lens: str = same_as(_RUN.lens, "none", help="Lens correction, timed too; figures are of the picture before it.")
     # Empty for the display's.
     server_rates_hz: tuple[float, ...] = several(_LINK.server_rate_hz, ())
@@ -197,7 +196,6 @@ class CompareOptions(RecordedOptions):
     client_motion: str = same_as(_RUN.client_motion, EXTRAPOLATED)  # no client foresees
     fovea_deg: float | None = same_as(_RUN.fovea_deg)
     rim: int = same_as(_RUN.rim)
-    gaze: str = same_as(_RUN.gaze)
     network: LinkOptions = group(LinkOptions)
     coding: Coding = group(_Coding)
     out: Path = out_field(Path("out/compare"), "Folder for compare.html, compare.json and compare.csv.")

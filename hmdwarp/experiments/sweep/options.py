@@ -11,7 +11,6 @@ import attrs
 
 from ...errors import InputError
 from ...options import Declared, force_field, group, option, option_of, same_as
-from ...pipeline.options import with_headset
 from ...poses import TraceOptions
 from ...run.options import RunOptions, recordings_field
 from ...scenes import SceneOptions
@@ -97,7 +96,6 @@ class RecordedOptions(ExperimentOptions):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that were set. Errors: InputError for one that frames decide."""
-        said = with_headset(said, option_of(attrs.fields(cls).headset).default)
         values = super().values_of(said)
         if values.get("frames") is None:
             return values

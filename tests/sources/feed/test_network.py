@@ -15,9 +15,9 @@ import pytest
 from serving import Serving
 
 from hmdwarp.errors import InputError
-from hmdwarp.geometry import Pose
+from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.headsets import load_headset
-from hmdwarp.pipeline.remote import Remote
+from hmdwarp.pipeline.remote import Remote, is_another_view
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import LiveOptions, live
 from hmdwarp.sources.feed import FeedOptions, sockets
@@ -290,3 +290,16 @@ def test_an_address_beyond_this_machine_needs_keys_a_secret_or_consent(pair):
         Listener("0.0.0.0:*", **allowed).close()
     with pytest.raises(InputError, match="--key-pair NAME or --token-file FILE, or --open"):
         Listener("0.0.0.0:*")
+
+
+@pytest.mark.parametrize(
+    ("moved_m", "turned_deg", "grown", "is_other"),
+    [(0, 0, 0, False), (1e-7, 1e-5, 1e-8, False), (0, 0, 0.1, False), (0, 0, -1e-5, True), (1e-4, 0, 0, True)]
+    + [(0, 0.01, 0, True)],
+)
+def test_another_view_is_told_from_rounding_and_from_one_that_shows_more(moved_m, turned_deg, grown, is_other):
+    asked = View(Pose((1, 2, 3)), Fov(-0.6, 0.7, -0.5, 0.8))
+    for wider in np.eye(4) * (-grown, grown, -grown, grown):
+        turn = np.radians(turned_deg) / 2
+        pose = asked.pose @ Pose((0, moved_m, 0), (0, np.sin(turn), 0, np.cos(turn)))
+        assert is_another_view(asked, View(pose, Fov.from_tangents(asked.fov.tangents + wider))) == is_other
