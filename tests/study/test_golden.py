@@ -11,6 +11,7 @@ makes of it.
 
 from __future__ import annotations
 
+import html
 import json
 import os
 import re
@@ -32,11 +33,13 @@ from hmdwarp.study.analysis.long_table import SourceOptions, from_csv
 TABLES = Path(__file__).with_name("tables")
 GOLDEN, ROOT = Path(__file__).parent / "golden", str(Path(__file__).resolve().parents[2])
 WRITING = os.environ.get("HMDWARP_GOLDEN") == "write"
-# Versions differ from machine to machine. The page with its plots has tests of its own.
+# Versions differ from machine to machine.
 VARIES = re.compile(r'("(?:commit|options|python|numpy|moderngl|hmdwarp|Version|SoftwareVersion)": )"[^"]*"')
 MADE = re.compile(r'(?:commit [^"\n]*?, )?python \d[^"\n]*?moderngl [\w.]+|hmdwarp \d[\w.+]*')
 # Of times nanoseconds stay, the ninth decimal; a float with more is rounded.
 NUMBER = re.compile(r"-?\d+\.\d{10,}(?:e-?\d+)?|-?\d+(?:\.\d+)?e-\d+")
+NOT_WORDS = re.compile(r"<(style|script|svg)\b.*?</\1>", re.DOTALL)
+TAGS = re.compile(r"<[^>]*>")
 COLUMNS = ["participant", "part", "condition", "scale", "value", "why_missing", "place", "previous"]
 TELLING = re.compile(r"(?!made_with|schema|hmdwarp|title|resamples|seed|scales.\d.measure)").match
 TURNS = ("0,0,1", "0.6,0,0.8", "0.28,0,0.96")
@@ -61,10 +64,13 @@ def restored(folder: Path, data: Path) -> Path:
 
 
 def written(folder: Path) -> list[str]:
-    """Every file; of equal ones the first."""
+    """Every file, of a page its words; of equal ones the first."""
     first: dict[str, str] = {}
-    for path in sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix != ".html"):
+    for path in sorted(path for path in folder.rglob("*") if path.is_file()):
         text, name = path.read_bytes().decode(), path.relative_to(folder).as_posix()
+        if path.suffix == ".html":
+            words = TAGS.sub("\n", NOT_WORDS.sub("", text.replace("<wbr>", "")))
+            text = re.sub(r"\s*\n\s*", "\n", html.unescape(words))
         first[f"== {name}"] = f"as {known}" if (known := next((k for k, v in first.items() if v == text), "")) else text
     return [f"{name}\n{text}" for name, text in first.items()]
 

@@ -21,7 +21,6 @@ from together import together
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.poses import PoseTrack
 from hmdwarp.report import inert_text, raw_text
-from hmdwarp.scenes import INPUTS_HEADER, inputs_beside
 from hmdwarp.study.design import Show, design_from_text, load_design, steps_of
 from hmdwarp.study.export.write import (
     COLUMNS,
@@ -293,24 +292,3 @@ def test_a_table_has_jod_ratings_only_where_there_are_any():
     plain = [column.name for column in columns_for([{"measured_flip": 0.1}])]
     rated = [column.name for column in columns_for([{"measured_jod": 9.5, "measured_jod_s": 0.5}])]
     assert rated == [*plain, "measured_jod", "measured_jod_s"]
-
-
-DAMAGED = [
-    ("soon,push,ball,0,0,0,0,0,-1", "line 2: 'soon,push,ball,0,0,0,0,0,-1': expected whole nanoseconds, an action"),
-    ("1,push,ball,0,0,zero,0,0,-1", "a target and six numbers"),
-    ("1,push,ball", "3 values: expected 9"),
-    ("\udcff", "it holds bytes that are no text"),
-]
-
-
-def test_a_damaged_file_of_inputs_is_told_in_our_words(store, design, tmp_path):
-    """What was found, what was expected, what to do; the rest is exported."""
-    showing = next(one for one in store.contents().showings if one.complete and one.trace)
-    inputs, options = inputs_beside(store.traces / showing.trace), ExportOptions(parquet=False, force=True)
-    for line, why in DAMAGED:
-        inputs.write_bytes(f"{INPUTS_HEADER}{line}\n".encode(errors="surrogateescape"))
-        notes = export(store.contents(), design, tmp_path / "out", options).notes
-        (left_out,) = [note for note in notes if "input.csv" in note]
-        assert left_out.startswith(f"left out: {showing.trace}: ") and why in left_out
-        assert left_out.endswith("mend that line, or delete the file to do without, and export again with --force")
-        assert not re.search("invalid literal|could not convert|codec|unpack", left_out)
