@@ -11,9 +11,7 @@ makes of it.
 
 from __future__ import annotations
 
-import html
 import json
-import os
 import re
 import shlex
 import shutil
@@ -24,6 +22,7 @@ from pathlib import Path
 
 import pytest
 from commands import hmdwarp
+from golden_texts import assert_text, words_of
 
 from hmdwarp.errors import InputError
 from hmdwarp.scenes import inputs_beside
@@ -32,14 +31,11 @@ from hmdwarp.study.analysis.long_table import SourceOptions, from_csv
 
 TABLES = Path(__file__).with_name("tables")
 GOLDEN, ROOT = Path(__file__).parent / "golden", str(Path(__file__).resolve().parents[2])
-WRITING = os.environ.get("HMDWARP_GOLDEN") == "write"
 # Versions differ from machine to machine.
 VARIES = re.compile(r'("(?:commit|options|python|numpy|moderngl|hmdwarp|Version|SoftwareVersion)": )"[^"]*"')
 MADE = re.compile(r'(?:commit [^"\n]*?, )?python \d[^"\n]*?moderngl [\w.]+|hmdwarp \d[\w.+]*')
 # Of times nanoseconds stay, the ninth decimal; a float with more is rounded.
 NUMBER = re.compile(r"-?\d+\.\d{10,}(?:e-?\d+)?|-?\d+(?:\.\d+)?e-\d+")
-NOT_WORDS = re.compile(r"<(style|script|svg)\b.*?</\1>", re.DOTALL)
-TAGS = re.compile(r"<[^>]*>")
 COLUMNS = ["participant", "part", "condition", "scale", "value", "why_missing", "place", "previous"]
 TELLING = re.compile(r"(?!made_with|schema|hmdwarp|title|resamples|seed|scales.\d.measure)").match
 TURNS = ("0,0,1", "0.6,0,0.8", "0.28,0,0.96")
@@ -69,8 +65,7 @@ def written(folder: Path) -> list[str]:
     for path in sorted(path for path in folder.rglob("*") if path.is_file()):
         text, name = path.read_bytes().decode(), path.relative_to(folder).as_posix()
         if path.suffix == ".html":
-            words = TAGS.sub("\n", NOT_WORDS.sub("", text.replace("<wbr>", "")))
-            text = re.sub(r"\s*\n\s*", "\n", html.unescape(words))
+            text = words_of(text)
         first[f"== {name}"] = f"as {known}" if (known := next((k for k, v in first.items() if v == text), "")) else text
     return [f"{name}\n{text}" for name, text in first.items()]
 
@@ -100,10 +95,7 @@ def test_a_recorded_study_gives_what_it_gave(folder, tmp_path):
 
 
 def compare(text: str, expected: Path) -> None:
-    text = NUMBER.sub(lambda found: f"{float(found[0]):.8g}", text)
-    if WRITING:
-        expected.write_text(text, encoding="utf-8")
-    assert text.splitlines() == expected.read_text(encoding="utf-8").splitlines()
+    assert_text(NUMBER.sub(lambda found: f"{float(found[0]):.8g}", text), expected)
 
 
 def test_tables_of_ratings_give_what_they_gave(tmp_path):

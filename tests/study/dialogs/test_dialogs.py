@@ -5,12 +5,12 @@ No answer is chosen beforehand, every one can be in every way, and what is confi
 
 from __future__ import annotations
 
-import os
 from itertools import pairwise, product
 from pathlib import Path
 
 import attrs
 import numpy as np
+from golden_texts import assert_outcomes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
@@ -96,13 +96,7 @@ def came_of(line: str) -> str:
 
 def test_what_comes_of_commands_is_what_came():
     """asked.txt; HMDWARP_GOLDEN=write writes it anew: look at the difference."""
-    lines = FILE.read_text(encoding="utf-8").splitlines()
-    asked = [line.partition(" => ")[0] for line in lines]
-    found = [line if line.startswith("#") else f"{line} => {came_of(line)}" for line in asked]
-    if os.environ.get("HMDWARP_GOLDEN") == "write":
-        FILE.write_text("\n".join(found) + "\n", encoding="utf-8")
-        lines = found
-    assert found == lines
+    assert_outcomes(FILE, came_of)
 
 
 def is_last(reading: ConsentDialog) -> bool:
