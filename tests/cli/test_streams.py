@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import html
 import os
 import re
 import resource
+import shlex
 import subprocess
 from pathlib import Path
 
@@ -76,13 +78,9 @@ def test_notes_are_printed(command, tmp_path):
 
 
 def test_the_command_in_the_report_can_be_typed_again(command, tmp_path):
-    import shlex
-
     out = tmp_path / "it's here"
     command(*REPLAY, out, "--quiet").done()
     page = (out / "report.html").read_text(encoding="utf-8")
-    import html
-
     assert shlex.join(["hmdwarp", *REPLAY, str(out), "--quiet"]) in html.unescape(page)
 
 

@@ -264,16 +264,6 @@ def test_a_known_code_is_refused_with_what_can_be_done(tmp_path):
         assert (begin[1]["consent_version"], begin[1]["consent_sha256"]) == ("1", consent)
 
 
-def test_of_several_interrupted_parts_one_is_named_and_of_one_none(store):
-    store.end(begun(store, "P01", "one"), "interrupted")
-    store.end(begun(store, "P01", "two", new_session=True), "interrupted")
-    with pytest.raises(InputError, match="several parts.*--part"):
-        store.resume("P01")
-    assert store.resume("P01", "two").number == 2
-    single = design(TEXT[: TEXT.index("[[part]]", TEXT.index('name = "one"'))])
-    assert store.begin(single, None, "P02", "person").part == "one"
-
-
 CHANGES = [
     ("latency = 200", "latency = 250", "conditions ('b' changed)"),
     ('name = "d"', 'name = "e"', "conditions ('e' is new, 'd' is gone)"),
