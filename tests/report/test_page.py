@@ -1,4 +1,4 @@
-"""report.html: complete, escaped, self-contained, and whole in a real browser."""
+"""report.html: escaped, self-contained, and whole in a real browser."""
 
 import base64
 import html

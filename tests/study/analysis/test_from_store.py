@@ -133,6 +133,7 @@ def test_custom_scales_are_reported_like_shipped_ones(tmp_path):
 
 def test_a_change_counts_each_person_once_however_many_sessions_they_had(contents, design):
     """Five people with one change in each of two sessions are five, and their p is 2 / 2^5."""
+    vrsq = {"scale": "vrsq"}
     survey = [
         {
             "participant": f"p{who}",

@@ -39,7 +39,6 @@ from hmdwarp.study.design import (
 from hmdwarp.study.design.definitions import (
     _NOT_SETTINGS,
     PICTURE,
-    check_settings,
     resolve_paths,
 )
 from hmdwarp.study.design.plan_text import least_participants
@@ -253,14 +252,6 @@ def test_a_setting_means_what_the_option_means(monkeypatch):
         wanted = by_command_line(monkeypatch, *arguments.split())
         found = live_options(tomllib.loads(f"s = {{ {settings} }}")["s"])
         assert found == attrs.evolve(wanted, panel=False, command=""), line
-
-
-def test_a_scene_is_loaded_once():
-    scenes: dict = {}
-    options = check_settings({"scene": "planes", "latency": 0}, scenes)
-    first = scenes[options.scene_key]
-    check_settings({"scene": "planes", "latency": 100}, scenes)
-    assert scenes == {options.scene_key: first}
 
 
 def test_files_are_found_from_the_study_file(tmp_path):

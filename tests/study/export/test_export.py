@@ -20,7 +20,7 @@ from together import together
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.poses import PoseTrack
-from hmdwarp.report import inert_text, raw_text
+from hmdwarp.report import raw_text
 from hmdwarp.study.design import Show, design_from_text, load_design, steps_of
 from hmdwarp.study.export.write import (
     COLUMNS,
@@ -274,11 +274,6 @@ def test_no_spreadsheet_runs_what_was_typed_and_it_reads_back(text):
 def test_numbers_and_other_texts_stay_as_they_are(text):
     assert csv_text([{"warp": text}], COLUMNS).splitlines()[1].split(",")[LONG_COLUMNS.index("warp")] == text
     assert raw_text(text) == text
-
-
-@given(st.text(st.sampled_from("'=+-@ \t\r1a＝"), max_size=6))
-def test_a_text_made_inert_has_one_text_that_it_comes_from(text):
-    assert raw_text(inert_text(text)) == text
 
 
 def test_only_the_name_of_a_file_is_exported(tmp_path):
