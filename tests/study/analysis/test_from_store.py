@@ -135,14 +135,7 @@ def test_a_change_counts_each_person_once_however_many_sessions_they_had(content
     """Five people with one change in each of two sessions are five, and their p is 2 / 2^5."""
     vrsq = {"scale": "vrsq"}
     survey = [
-        {
-            "participant": f"p{who}",
-            "session": session,
-            "phase": phase,
-            "item": item.key,
-            "value": value,
-            "scale": "vrsq",
-        }
+        {"participant": f"p{who}", "session": session, "phase": phase, "item": item.key, "value": value} | vrsq
         for who in range(5)
         for session in (1, 2)
         for phase, value in (("before", 0.0), ("after", float(session)))
