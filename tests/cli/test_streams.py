@@ -116,10 +116,7 @@ RATINGS = "participant,condition,rating\n" + "".join(
 FOLDERS = {
     "replay": (["replay", "still", "--against", "", *TINY], "report.html"),
     "bench": (["bench", "still", *ONCE, *TINY], "bench.html"),
-    "live": (
-        ["live", "--source", "offscreen", "--trace", "walk", "--pictures", "2", "--quiet", *SMALL],
-        "frames.csv",
-    ),
+    "live": (["live", "--source", "offscreen", "--trace", "walk", "--pictures", "2", "--quiet", *SMALL], "frames.csv"),
     "analyse": (["study", "analyse", "ratings.csv", "--scale", "acr", "--quiet"], "tables/missing.csv"),
 }
 FILES = {

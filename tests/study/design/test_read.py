@@ -36,11 +36,7 @@ from hmdwarp.study.design import (
     steps_of,
     study_names,
 )
-from hmdwarp.study.design.definitions import (
-    _NOT_SETTINGS,
-    PICTURE,
-    resolve_paths,
-)
+from hmdwarp.study.design.definitions import _NOT_SETTINGS, PICTURE, resolve_paths
 from hmdwarp.study.design.plan_text import least_participants
 from hmdwarp.study.statistics import smallest_p
 
