@@ -33,7 +33,7 @@ TABLES = Path(__file__).with_name("tables")
 GOLDEN, ROOT = Path(__file__).parent / "golden", str(Path(__file__).resolve().parents[2])
 # Versions differ from machine to machine.
 VARIES = re.compile(r'("(?:commit|options|python|numpy|moderngl|hmdwarp|Version|SoftwareVersion)": )"[^"]*"')
-MADE = re.compile(r'(?:commit [^"\n]*?, )?python \d[^"\n]*?moderngl [\w.]+|hmdwarp \d[\w.+]*')
+MADE = re.compile(r'(?:commit [^"\n]*?, )?python \d[^"\n]*?moderngl [\w.]+|hmdwarp\s\d[\w.+]*')
 # Of times nanoseconds stay, the ninth decimal; a float with more is rounded.
 NUMBER = re.compile(r"-?\d+\.\d{10,}(?:e-?\d+)?|-?\d+(?:\.\d+)?e-\d+")
 COLUMNS = ["participant", "part", "condition", "scale", "value", "why_missing", "place", "previous"]
