@@ -16,19 +16,24 @@ from ..options import AUTO, Declared, force_field, option, out_field
 from ..run.options import OFFSCREEN, LiveOptions, ProxyRunOptions, RecordOptions, RunOptions, ServeOptions
 from ..run.requirements import Gate, Tolerance, tolerance_field
 from ._options import JSON, QUIET, Said, as_json, command_line, print_results, takes
-from ._show import sayer
+from ._show import sayer, steps
+
+
+def _choose(options: RunOptions, quiet: bool) -> run.Choice:
+    with steps("trials", quiet=quiet) as (progress, screen):
+        return run.choose(options, sayer(True) if quiet else partial(screen.print, soft_wrap=True), progress)
 
 
 @takes(RunOptions, Gate, JSON, QUIET)
 def replay(said: Said) -> None:
     """Replay a head trace with late frames, warp each to the newest pose, and measure it."""
-    from ._show import console, steps
+    from ._show import console
 
     options, gate, quiet = RunOptions.of(said, command=command_line()), Gate.of(said), said["quiet"]
     gate.prepare(force=options.force)
     judge = gate.judge_of(options.out)
     if AUTO in (options.warp, options.guard):
-        choice = run.choose(options, sayer(quiet))
+        choice = _choose(options, quiet)
         if not quiet and not said["json"]:
             typer.echo("\n".join((choice.command(sys.argv[2:]), *choice.notes)))
         options = attrs.evolve(choice.options, command=choice.command(sys.argv[2:]))
@@ -61,7 +66,7 @@ def choose(said: Said) -> None:
     if said["guard"] is None and said["rendered_size"] is None:
         said["guard"] = AUTO
     options = RunOptions.of(said)
-    choice = run.choose(options, sayer(said["quiet"] or said["json"]))
+    choice = _choose(options, said["quiet"])
     levels = [
         {"warp": one.warp, "fill": one.fill, "total_ms": one.total_ms, "flip": one.error, "psnr_db": one.psnr_db}
         for one in (choice.level, *choice.levels)
@@ -79,8 +84,6 @@ def live(said: Said) -> None:
 
     In the headset, or in a window (h shows its keys).
     """
-    from ._show import steps
-
     options = LiveOptions.of(said, command=command_line())
     shown = options.source != OFFSCREEN  # then its loop does nothing more
     with steps("pictures", quiet=said["quiet"] or shown) as (progress, _):

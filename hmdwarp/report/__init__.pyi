@@ -41,9 +41,9 @@ from .page import Sentences as Sentences
 from .page import Text as Text
 from .paper import write_paper as write_paper
 from .replay_page import WorstFrame as WorstFrame
+from .replay_page import columns_of as columns_of
 from .replay_page import comparison_table as comparison_table
 from .replay_page import live_lines as live_lines
-from .replay_page import panels_of as panels_of
 from .replay_page import render_live_report as render_live_report
 from .replay_page import render_report as render_report
 from .replay_page import summary_html as summary_html

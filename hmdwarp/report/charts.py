@@ -230,18 +230,8 @@ class Series:
         return cls(label, points[:, 0], points[:, 1])
 
 
-@attrs.frozen(eq=False)
-class _Band:
-    """A series in bins of time, without empty bins: mean, least and largest value of each."""
-
-    time_s: NDArray[np.float64]
-    mean: NDArray[np.float64]
-    low: NDArray[np.float64]
-    high: NDArray[np.float64]
-
-
-def binned(series: Series, bins: int = _MOST_POINTS) -> _Band:
-    """Make one point of the values of one instant (the two eyes); pool the instants into `bins`."""
+def binned(series: Series, bins: int = _MOST_POINTS) -> tuple[Series, Series, Series]:
+    """Return mean, least and largest value of each instant (of two eyes), pooled into `bins`."""
     there = np.isfinite(series.value)
     time_s, value = series.time_s[there], series.value[there]
     instants, index = np.unique(time_s, return_inverse=True)
@@ -254,8 +244,9 @@ def binned(series: Series, bins: int = _MOST_POINTS) -> _Band:
     low, high = np.full(count, np.inf), np.full(count, -np.inf)
     np.minimum.at(low, index, value)
     np.maximum.at(high, index, value)
+    time_s = np.bincount(index, time_s, minlength=count) / amount
     mean = np.bincount(index, value, minlength=count) / amount
-    return _Band(np.bincount(index, time_s, minlength=count) / amount, mean, low, high)
+    return Series(series.label, time_s, mean), Series("", time_s, low), Series("", time_s, high)
 
 
 def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True, points: bool = False) -> str:
@@ -268,15 +259,15 @@ def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True, 
     content = [(line.label, line.value.tobytes()) for line in series]
     with canvas(content, (5.0, 2.2), x="time in s", y=unit) as axes:
         drawn = 0
-        for number, band in enumerate(map(binned, series)):
-            if not len(band.mean):
+        for number, (mean, low, high) in enumerate(map(binned, series)):
+            if not len(mean.value):
                 continue
             drawn, look = drawn + 1, Look.of(number)
-            marker = look.marker if len(band.mean) <= (_MOST_POINTS - 1 if points else _FEW_POINTS) else ""
-            if (band.high > band.low).any():
-                axes.fill_between(band.time_s, band.low, band.high, color=look.color, alpha=0.2, linewidth=0)
+            marker = look.marker if len(mean.value) <= (_MOST_POINTS - 1 if points else _FEW_POINTS) else ""
+            if (high.value > low.value).any():
+                axes.fill_between(mean.time_s, low.value, high.value, color=look.color, alpha=0.2, linewidth=0)
             style: Style = {"linestyle": _DASHES[number], "linewidth": 1.0 if points else 1.3, "marker": marker}
-            axes.plot(band.time_s, band.mean, color=look.color, label=series[number].label, markersize=3, **style)
+            axes.plot(mean.time_s, mean.value, color=look.color, label=mean.label, markersize=3, **style)
         axes.margins(x=0.01)
         if from_zero:
             axes.set_ylim(bottom=0)
@@ -310,8 +301,7 @@ def scale_axis(axis: Any, values: np.ndarray, *, logarithmic: bool) -> np.ndarra
         return values
     some = values[values >= _NOTHING]
     least, most = (some.min(), some.max()) if len(some) else (_NOTHING, _NOTHING)
-    zero = least / 2
-    drawn = np.where(values < _NOTHING, zero, values)
+    drawn = np.where(values < _NOTHING, least / 2, values)
     low, high = np.log10([drawn.min(), most])
     # At least a factor of four, so that two ticks are in it.
     margin = max(0.06 * (high - low), (np.log10(4) - (high - low)) / 2)
@@ -322,7 +312,7 @@ def scale_axis(axis: Any, values: np.ndarray, *, logarithmic: bool) -> np.ndarra
     axis.set_minor_locator(NullLocator())
     has_zero = len(some) < len(values)
     if has_zero:
-        axis.set_major_locator(FixedLocator([zero, *(tick for tick in axis.get_majorticklocs() if tick >= least)]))
+        axis.set_major_locator(FixedLocator([least / 2, *(tick for tick in axis.get_majorticklocs() if tick >= least)]))
     axis.set_major_formatter(lambda value, _: "0" if has_zero and value < least else f"{value:g}")
     return drawn
 

@@ -130,6 +130,7 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> page.
         title=f"hmdwarp compare: {count} strategies",
         heading=("Strategies of remote rendering", f"{count} of them, {counted(len(groups), 'case')}"),
         facts=[page.fact(label, text) for label, text in facts],
+        shared=[f"{label} {text}" for label, text in facts if label in ("scene", "an eye", "codec")],
         command=data.get("command") or "",
         sections=(
             suite_section(suite),

@@ -155,8 +155,8 @@ class Page:
     # None and sections without blocks are left out.
     sections: Sequence[Section | None]
     made_with: Sequence[tuple[str, str]]
-    # Lines under the command.
-    remarks: Sequence[str] = ()
+    remarks: Sequence[str] = ()  # lines under the command
+    shared: Sequence[str] = ()  # of all tables and charts, for captions: "scene room", "960x600"
 
     def html(self) -> str:
         from jinja2 import Environment, PackageLoader, StrictUndefined

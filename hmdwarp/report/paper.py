@@ -31,6 +31,7 @@ def write_paper(out: OutputFolder, page: Page, options: PaperOptions) -> None:
     if not options.is_wanted:
         return
     made = f"hmdwarp {__version__}: {' '.join(page.command.split())}"
+    shared = f" ({', '.join(page.shared)})" if page.shared else ""
     numbers: Counter[tuple[str, type]] = Counter()
     for section in filter(None, page.sections):
         where = section.id or re.sub(r"\W+", "-", section.heading.lower()).strip("-")
@@ -38,7 +39,7 @@ def write_paper(out: OutputFolder, page: Page, options: PaperOptions) -> None:
             numbers[where, type(block)] += 1
             name = f"paper/{where}-{numbers[where, type(block)]}"
             if isinstance(block, Table):
-                about = ": ".join(filter(None, (section.heading, block.caption or block.label)))
+                about = ": ".join(filter(None, (section.heading, block.caption or block.label))) + shared
                 about += _MARKS if block.has_marks else ""
                 for kind in options.tables:
                     text = block.markdown() if kind == "markdown" else _latex(block, about, Path(name).name, made)
@@ -52,7 +53,9 @@ def write_paper(out: OutputFolder, page: Page, options: PaperOptions) -> None:
                     out.path(f"{stem}.{kind}").write_bytes(paper_bytes(drawn, kind, wide))
                 if "latex" in options.tables and "pdf" in options.plots:
                     content = f"\\includegraphics[width=\\linewidth]{{{Path(stem).name}.pdf}}"
-                    floated = _float("figure", options.columns > 1 or where == "crops", words, Path(stem).name, content)
+                    floated = _float(
+                        "figure", options.columns > 1 or where == "crops", words + shared, Path(stem).name, content
+                    )
                     out.write_text(f"{stem}-figure.tex", f"% {made}\n% \\graphicspath{{{{paper/}}}}\n{floated}")
 
 

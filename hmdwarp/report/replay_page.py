@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..metrics import LEAST_INSTANTS, PRIMARY, Figure, Input, Kept, excludes_zero, metrics, metrics_in_order
 from . import page, run_texts
 from .charts import Series, time_series, timeline_svg
-from .files import ERROR_TOP, Panel, comparison_columns, in_a_row
+from .files import ERROR_TOP, Panel, comparison_columns
 from .page import texts
 from .run_texts import Cell, Line, Summary, Table
 
@@ -43,22 +43,12 @@ class WorstFrame:
     columns: Sequence[Sequence[Panel]]  # as comparison_columns makes them
     values: Mapping[str, float | None]  # by metric
 
-    @classmethod
-    def of(cls, time_s: float, eye: int, kept: Kept) -> WorstFrame:
-        """Make one of a picture that QualityPool kept."""
-        return cls(time_s, eye, columns_of(kept), kept.result.values)
-
 
 def columns_of(kept: Kept) -> list[list[Panel]]:
     """Return the labelled panels of a kept picture in columns."""
     assert kept.result.error_map is not None
     job, own = kept.job, ("warped", kept.job.now.shown, kept.result.error_map)
     return comparison_columns(job.rendered_picture, job.now.truth, [own, *job.beside])
-
-
-def panels_of(kept: Kept) -> list[Panel]:
-    """Return them as the panels of a strip."""
-    return in_a_row(columns_of(kept))
 
 
 def render_report(

@@ -31,6 +31,7 @@ ROWS = "rows"
 # What other keys say already, and what equal runs may have otherwise.
 _LEFT_OUT = frozenset({*TIMED_KEYS, "gate", "interval", "difference", "timeline"})
 _MAGNIFY = 16
+_SOME = 6  # differing columns of a row, and differing pictures, that are named in text
 _WORDS = {True: "better", False: "worse", None: "changed"}
 _STYLES = {True: "word holds", False: "word fails", None: "word"}
 
@@ -196,6 +197,7 @@ class RunDiff:
     pictures: list[_PictureDiff]
     # What does not make them differ, but may explain it.
     notes: list[str]
+    within: str = ""  # tolerances, as they were named
 
     @property
     def is_equal(self) -> bool:
@@ -205,14 +207,15 @@ class RunDiff:
     def told(self) -> str:
         """Return how much differs in one line: "4 figures worse, 1 better, 2 pictures"."""
         if self.is_equal:
-            within = f"identical within the tolerances ({counted(self.allowed, 'figure')} changed)"
+            within = f"identical within {self.within} ({counted(self.allowed, 'figure')} changed)"
             return within if self.allowed else "identical except for timings"
         found = Counter(_WORDS[one.is_better] for one in self.figures)
         counts = [(found[word], word) for word in ("worse", "better", "changed") if found[word]]
         parts = [f"{count if at else counted(count, 'figure')} {word}" for at, (count, word) in enumerate(counts)]
         parts += [counted(len(self.setup), "setting")] * bool(self.setup)
         parts += [counted(len(self.pictures), "picture")] * bool(self.pictures)
-        return ", ".join([*parts, *(text.partition(" differ")[0] for text in self.refreshes)])
+        parts += [text.partition(" differ")[0] for text in self.refreshes]
+        return f"{', '.join(parts)} ({f'beyond {self.within}' if self.within else 'no tolerance'})"
 
     def lines(self, *, figures: bool = True) -> list[str]:
         """Return what differs in lines: the set-up, the table of figures, refreshes, pictures."""
@@ -220,7 +223,7 @@ class RunDiff:
             *(f"{key}: {' -> '.join(_texts(a, b))}" for key, a, b in self.setup),
             *(_figures_table(self.figures).text().splitlines() if figures and self.figures else ()),
             *self.refreshes,
-            *(f"{one.name}: {one.told}" for one in self.pictures),
+            *_some([f"{one.name}: {one.told}" for one in self.pictures]),
         ]
 
     def blocks(self) -> list[Any]:
@@ -272,12 +275,16 @@ _Allows = Callable[[str, Any, Any], bool]
 
 
 def diff_runs(
-    first: StoredRun, second: StoredRun, allows: _Allows = is_same, pixels: tuple[float, float] = (0.0, 0.0)
+    first: StoredRun,
+    second: StoredRun,
+    allows: _Allows = is_same,
+    pixels: tuple[float, float] = (0.0, 0.0),
+    within: str = "",
 ) -> RunDiff:
     """Return what differs between two replays by more than the tolerances.
 
     allows(key, stored, now): of figures. pixels: levels of 255 by which a pixel may differ, and the
-    share of the pixels that may differ by more.
+    share of the pixels that may differ by more. within: both in words.
     Errors: InputError for files that cannot be read.
     """
     setup: list[tuple[str, Any, Any]] = []
@@ -298,8 +305,12 @@ def diff_runs(
     same_rows = first.summary["digests"]["frames.csv"] == second.summary["digests"]["frames.csv"]
     refreshes = [] if same_rows else _refreshes(first, second, allows, notes)
     beyond.sort(key=lambda one: -one.size)
-    pictures, compared = [*_pictures(first, second, pixels)], [one.key for one in figures]
-    return RunDiff(first, second, setup, beyond, compared, len(changed) - len(beyond), refreshes, pictures, notes)
+    pictures, compared, allowed = (
+        [*_pictures(first, second, pixels)],
+        [o.key for o in figures],
+        len(changed) - len(beyond),
+    )
+    return RunDiff(first, second, setup, beyond, compared, allowed, refreshes, pictures, notes, within)
 
 
 def _leaves(a: Any, b: Any, key: str = "") -> Iterator[tuple[str, Any, Any]]:
@@ -330,7 +341,7 @@ def _refreshes(first: StoredRun, second: StoredRun, allows: _Allows, notes: list
             and not (allows if name in QUALITY else is_same)(f"{ROWS}.{name}", a.get(name), b.get(name))
         ]
         if apart:
-            found.append(f"frame {a['frame']:g} ({a['time_s']:.3f} s), eye {a['eye']:g}: {', '.join(apart)}")
+            found.append(f"frame {a['frame']:g} ({a['time_s']:.3f} s), eye {a['eye']:g}: {', '.join(_some(apart))}")
     return found and [f"{len(found)} of {counted(len(ours), 'row')} of frames.csv differ, the first: {found[0]}"]
 
 
@@ -361,6 +372,11 @@ def _panel(name: str, a: Pixels | None, b: Pixels | None, levels: float, share: 
     magnified = np.repeat(np.minimum(apart * _MAGNIFY, 255).astype(np.uint8)[..., None], 3, axis=2)
     told = f"{100 * beyond:.2g} % of the pixels differ, by at most {apart.max()} of 255"
     return _PictureDiff(name, told, beyond, int(apart.max()), (a, b, magnified))
+
+
+def _some(texts: list[str]) -> list[str]:
+    """Return the first few, and how many more there are."""
+    return texts if len(texts) <= _SOME + 1 else [*texts[:_SOME], f"and {len(texts) - _SOME} more"]
 
 
 def _texts(*values: Any) -> list[str]:

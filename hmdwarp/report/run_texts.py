@@ -53,10 +53,7 @@ def p_is(p: float) -> str:
 
 def signed(value: float | None, digits: int = 2) -> str:
     """Return "+1.30", "-0.56" or "0.00"; a dash for None."""
-    if value is None or math.isnan(value):
-        return "–"
-    text = f"{value:+.{digits}f}"
-    return text[1:] if float(text) == 0 else text
+    return plain(value, digits, "+")
 
 
 def interval(low: float | None, high: float | None, digits: int = 2) -> str:
@@ -64,12 +61,12 @@ def interval(low: float | None, high: float | None, digits: int = 2) -> str:
     return "–" if low is None or high is None else f"{signed(low, digits)} .. {signed(high, digits)}"
 
 
-def plain(value: float | None, digits: int = 2) -> str:
+def plain(value: float | None, digits: int = 2, sign: str = "") -> str:
     """Return "2.62", and "0.00" for what rounds to it from below; a dash for None."""
     if value is None or math.isnan(value):
         return "–"
-    text = f"{value:.{digits}f}"
-    return text.removeprefix("-") if float(text) == 0 else text
+    text = f"{value:{sign}.{digits}f}"
+    return text.lstrip("+-") if float(text) == 0 else text
 
 
 def pair_text(baseline: str, condition: str) -> str:

@@ -163,7 +163,7 @@ def _forest_chart(rows: Sequence[Row], unit: str) -> str:
         for y, row in enumerate(shown):
             values = np.array(list(row["differences"].values()))
             dots: Style = {"color": INK, "alpha": 0.45, "markersize": 3.2, "markeredgewidth": 0}
-            axes.plot(values, y + 0.28 + _spread(len(values), 0.1), "o", **dots)
+            axes.plot(values, y + 0.23 + 0.1 * (np.arange(len(values)) * 0.618034 % 1), "o", **dots)
             bar: Style = {"solid_capstyle": "butt"}
             if row["low"] is not None:
                 axes.plot([row["low"], row["high"]], [y - 0.1] * 2, color=_BETTER, linewidth=2.6, **bar)
@@ -216,11 +216,6 @@ def _limits(measure: Row, values: Sequence[float]) -> tuple[float, float]:
     low, high = min([*values, *ends]), max([*values, *ends])
     margin = 0.05 * max(high - low, 1e-9)
     return (high + margin, low - margin) if measure["low_is_good"] else (low - margin, high + margin)
-
-
-def _spread(count: int, width: float = 0.15) -> np.ndarray:
-    """Return sideways places that look random and are always the same."""
-    return width * (np.arange(count) * 0.618034 % 1 - 0.5)
 
 
 _ALL, _WITHOUT = "All conditions", "The same comparisons without those who missed the reference"

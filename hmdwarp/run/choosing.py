@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import shlex
 import tomllib
@@ -30,6 +31,7 @@ from ..poses import PoseTrack, load_trace, predict
 from ..poses.quaternions import conjugate, rotate
 from .measuring import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, Comparison, batches, instants_of, refreshes
 from .options import RunOptions
+from .replay_run import Progress
 from .run import ReplayRun, Schedule, schedule_of, set_up_replay
 
 QUANTILE = 0.95
@@ -197,7 +199,7 @@ class Choice:
         return shlex.join(["hmdwarp", "replay", *kept, *(part for pair in named.items() for part in pair)])
 
 
-def choose(options: RunOptions, say: Say = lambda text: None) -> Choice:
+def choose(options: RunOptions, say: Say = lambda text: None, progress: Progress = lambda done, total: None) -> Choice:
     """Return the run with what `auto` stands for: a guard band, a warp and a fill.
 
     They are the most accurate that take at most `options.budget_ms` for one eye: by
@@ -209,6 +211,8 @@ def choose(options: RunOptions, say: Say = lambda text: None) -> Choice:
         A run whose warp, guard or both are "auto".
     say
         Called with a sentence before a short bench starts.
+    progress
+        Called with (done, total) of the instants of a short bench.
 
     Returns
     -------
@@ -235,7 +239,7 @@ def choose(options: RunOptions, say: Say = lambda text: None) -> Choice:
     client = load_client(options.client_name)
     device = client if client.memory_gb_s < math.inf else None
     if options.bench is None:
-        found = levels_by_short_bench(options, source, say, device)
+        found = levels_by_short_bench(options, source, say, device, progress)
     else:
         found = levels_from_file(options.bench, options, device)
     level = found.levels[best_within(found.levels, options.budget_ms)]
@@ -266,7 +270,13 @@ def candidates(options: PipelineOptions, source: Source) -> list[Combination]:
     return found
 
 
-def levels_by_short_bench(options: RunOptions, source: Source, say: Say, device: Client | None = None) -> _LevelSet:
+def levels_by_short_bench(
+    options: RunOptions,
+    source: Source,
+    say: Say,
+    device: Client | None = None,
+    progress: Progress = lambda done, total: None,
+) -> _LevelSet:
     """Return the levels measured at a few instants of this run, or modelled for a device."""
     budget_ms, combinations = options.budget_ms or 0.0, candidates(options, source)
     say(
@@ -282,17 +292,18 @@ def levels_by_short_bench(options: RunOptions, source: Source, say: Say, device:
 
     def frames_for(
         chosen: Sequence[Combination], size: tuple[int, int]
-    ) -> Iterator[tuple[list[Combination], ReplayRun]]:
+    ) -> Iterator[tuple[list[Combination], ReplayRun, Callable[[], None]]]:
         rendered = guarded_size(options.guard_band, source.headset, size)
         most = min(GPU_BATCH_BYTES, MEMORY_PART * memory_bytes())
-        for batch in batches(chosen, rendered, size, most):
+        parts, done = batches(chosen, rendered, size, most), itertools.count(1)
+        for batch in parts:
             needs = needs_of(c.plan for c in batch)
             with set_up_replay(attrs.evolve(alone, size=size), needs, source=source) as setup:
-                yield batch, setup
+                yield batch, setup, lambda: progress(next(done), INSTANTS * len(parts))
 
     plain = [c for c in combinations if not c.plan.fills]
     times = {} if device is None else {c.warp: device_ms(c.plan, size, device)[1] for c in plain}
-    for batch, setup in [] if times else frames_for(plain, size):
+    for batch, setup, _ in [] if times else frames_for(plain, size):
         (_, refresh), *_ = refreshes(setup, setup.needs, set(instants_of(setup.schedule.count, 1)))
         for combination in batch:
             compensator = setup.compensator(combination.plan)
@@ -307,9 +318,9 @@ def levels_by_short_bench(options: RunOptions, source: Source, say: Say, device:
     case, rows = Case(options.scene, options.trace, options.latency_ms, drawn), []
     with MeasuringThreads(worker_count(options.workers)) as threads:
         pool = QualityPool(threads)
-        for batch, setup in frames_for(kept, drawn):
+        for batch, setup, step in frames_for(kept, drawn):
             comparison = Comparison(setup, case, batch, pool, ROUNDS)
-            comparison.run(INSTANTS, lambda: None)
+            comparison.run(INSTANTS, step)
             pool.wait()
             for made in comparison.measured:
                 figures, plan = [pool.results[key] for key in made.keys], made.combination.plan

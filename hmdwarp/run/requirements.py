@@ -177,6 +177,7 @@ class Tolerance:
     figures: tuple[tuple[str, float, bool], ...] = ()
     # Of pictures: levels of 255, and the share of the pixels that may differ by more.
     pixels: tuple[float, float] = (0.0, 0.0)
+    text: str = ""
 
     @classmethod
     def of(cls, text: str) -> Self:
@@ -195,7 +196,7 @@ class Tolerance:
                 of_pictures[name] = value
             else:
                 found.append((name, value, is_share))
-        return cls(tuple(found), (of_pictures[PIXEL], of_pictures[PIXELS]))
+        return cls(tuple(found), (of_pictures[PIXEL], of_pictures[PIXELS]), text)
 
     def allows(self, key: str, stored: Any, now: Any) -> bool:
         """Return whether a figure may change so, by the entries that name it most closely."""
@@ -208,7 +209,7 @@ class Tolerance:
         return report.is_same(key, stored, now, max(most, default=0.0))
 
     def diff(self, first: report.StoredRun, second: report.StoredRun) -> report.RunDiff:
-        return report.diff_runs(first, second, self.allows, self.pixels)
+        return report.diff_runs(first, second, self.allows, self.pixels, self.text and f"tolerance '{self.text}'")
 
 
 def tolerance_field() -> Any:
@@ -244,7 +245,7 @@ class Verdict:
         parts = [
             f"{failed} of {every}" if failed else f"{every} met" if self.findings else "",
             f"baseline: {self.diff.told()}" if self.diff is not None else "",
-            f"stored in {self.stores}" if self.stores is not None and self.holds else "",
+            f"{'' if self.holds else 'not '}stored in {self.stores}" if self.stores is not None else "",
         ]
         return f"{'PASSED' if self.holds else 'FAILED'}: {'; '.join(filter(None, parts)) or 'nothing was required'}"
 

@@ -32,9 +32,10 @@ from ..report import (
     Panel,
     StoredRun,
     WorstFrame,
+    columns_of,
     digests,
+    in_a_row,
     labelled_strip,
-    panels_of,
     render_report,
     summary_html,
 )
@@ -429,7 +430,7 @@ def write_results(
 
         def write_strip(kept: Kept) -> tuple[str, list[Panel]]:
             number, eye, _ = kept.key
-            name, panels = f"images/frame-{number:06d}-{names[eye]}.png", panels_of(kept)
+            name, panels = f"images/frame-{number:06d}-{names[eye]}.png", in_a_row(columns_of(kept))
             out.write_png(name, labelled_strip(panels))
             return name, panels
 
@@ -452,7 +453,10 @@ def write_results(
             result.against,
             rows=result.rows,
             baselines_rows=compared,
-            worst=[WorstFrame.of(time_s[kept.key[0]], kept.key[1], kept) for kept in pool.worst],
+            worst=[
+                WorstFrame(time_s[kept.key[0]], kept.key[1], columns_of(kept), kept.result.values)
+                for kept in pool.worst
+            ],
             command=command,
             notes=result.summary["notes"],
             gate=verdict.section() if verdict is not None else None,

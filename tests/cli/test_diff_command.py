@@ -74,7 +74,7 @@ def test_a_red_run_says_why_everywhere_and_is_accepted_on_request(command, store
     ran = ["replay", "look-around", *options, "--lens", "none", "--out", run, "--baseline", base, "--force"]
     failing = ["--require", "psnr_db.mean>=99, flip.mean<=1", "--junit", tmp_path / "junit.xml"]
     done = command(*ran, *failing)
-    verdict = "FAILED: 1 of 2 requirements; baseline: 1 figure worse, 1 better, 1 setting"
+    verdict = "FAILED: 1 of 2 requirements; baseline: 1 figure worse, 1 better, 1 setting (no tolerance)"
     lines = done.err.splitlines()
     assert done.status == 4 and lines[0] == f"hmdwarp: {verdict}"
     assert lines[1].startswith("FAILED psnr_db.mean >= 99: measured ") and lines[2] == "lens: radial -> none"
@@ -95,7 +95,8 @@ def test_a_red_run_says_why_everywhere_and_is_accepted_on_request(command, store
     assert failures == {"psnr_db.mean >= 99", "quality.flip.p95", "quality.psnr_db.mean", "all else"}
     # It is stored where the requirements are met, and equal then.
     before = (base / "summary.json").read_bytes()
-    assert command(*ran, *failing, "--update-baseline").status == 4 and (base / "summary.json").read_bytes() == before
+    refused = command(*ran, *failing, "--update-baseline")
+    assert f"; not stored in {base}\n" in refused.err and (base / "summary.json").read_bytes() == before
     command(*ran, "--require", "flip.mean<=1", "--update-baseline").done()
     command(*ran).done()
     assert {"summary.json", "frames.csv", "images"} == {path.name for path in base.iterdir()}
@@ -109,7 +110,7 @@ def test_a_changed_picture_is_found_and_shown_and_a_tolerance_allows_it(command,
     summary["quality"]["psnr_db"]["mean"] += 0.01
     path.write_text(json.dumps(summary))
     done = command("diff", out, tmp_path / "other", "--out", tmp_path / "page", "--json")
-    assert done.status == 4 and done.err.startswith("hmdwarp: 1 figure better, 1 picture\n")
+    assert done.status == 4 and done.err.startswith("hmdwarp: 1 figure better, 1 picture (no tolerance)\n")
     found = json.loads(done.out)
     (picture,), (figure,) = found["pictures"], found["figures"]
     assert not found["equal"] and picture["largest"] == 3 and picture["name"].endswith("-left.png, warped")
@@ -124,7 +125,7 @@ def test_a_changed_picture_is_found_and_shown_and_a_tolerance_allows_it(command,
             done = command("diff", *pair, "--tolerance", f"psnr_db=0.1%, {allowed}")
             assert done.status == (0 if equal else 4), done
     assert command("diff", out, tmp_path / "other", "--tolerance", "figures=1%, pixel=3").out == (
-        "identical within the tolerances (1 figure changed)\n"
+        "identical within tolerance 'figures=1%, pixel=3' (1 figure changed)\n"
     )
 
 

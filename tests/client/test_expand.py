@@ -224,7 +224,10 @@ def test_a_warp_that_reads_no_depth_gets_none_and_one_without_pictures_nothing(g
 def test_frames_that_cannot_be_foveated_are_refused():
     for sets, why in (
         ({"network": LinkOptions(send="changes"), "fovea_deg": 30.0}, "eyes move where nothing else does"),
-        ({"frames": Path("nowhere"), "trace": "", "fovea_deg": 30.0}, "recorded frames are one eye's, as its camera took them"),
+        (
+            {"frames": Path("nowhere"), "trace": "", "fovea_deg": 30.0},
+            "recorded frames are one eye's, as its camera took them",
+        ),
         ({"rim": 3}, "--rim 3: frames are as sharp everywhere; it is for --fovea"),
     ):
         with pytest.raises(InputError, match=why):

@@ -106,6 +106,8 @@ def test_a_lead_that_holds_wins_one_that_does_not_ties_and_a_metric_that_disagre
     told = case.verdict()
     assert told["best"] == ["layered", "rotation"] and [one["metric"] for one in told["disagree"]][:1] == ["psnr_db"]
     assert told["disagree"][0]["difference"] == pytest.approx(2) and told["disagree"][0]["best"] == "rotation"
+    low, high = next(one["interval"] for one in told["paired"] if one["method"] == "rotation")
+    assert low <= 0 <= high and len(told["paired"]) == len(case.rows) - 1
     text = verdict_text(told)
     assert "a tie by FLIP: layered and rotation." in text and "But PSNR favours rotation by 2.00 dB (95 %:" in text
     few = [_of_few_instants(row) for row in case.rows]

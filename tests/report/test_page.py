@@ -17,7 +17,7 @@ from web.browser import Browser
 
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.metrics import Alike, Compared, MeasuringThreads, QualityJob, QualityPool
-from hmdwarp.report import WorstFrame, render_live_report, render_report
+from hmdwarp.report import WorstFrame, columns_of, render_live_report, render_report
 from hmdwarp.report.bench.page import bench_page
 
 from .samples import a_baseline, a_column, a_live_summary, a_scene, a_summary, some_rows, some_worst
@@ -104,7 +104,7 @@ def test_worst_frames_come_from_what_the_pool_kept():
     compared = Compared(shown, truth, view)
     pool.submit((3, 1), QualityJob(compared, rendered_picture=rendered, alike=alike, beside=(("none", other, flip),)))
     (kept,) = pool.worst
-    frame = WorstFrame.of(0.5, kept.key[1], kept)
+    frame = WorstFrame(0.5, kept.key[1], columns_of(kept), kept.result.values)
     own, others = "error (FLIP 0 to 0.5)", "error of none"
     names = [[name for name, _ in column] for column in frame.columns]
     assert names == [["truth", "late frame"], ["warped", own], ["none", others]]

@@ -48,6 +48,7 @@ def test_latex_has_as_many_cells_in_each_line_as_columns_and_no_letter_with_a_me
             continue
         text = content.decode()
         kind = "figure" if name.endswith("-figure.tex") else "table"
+        assert re.search(r"\\caption\{.*scene .*\d+x\d+", text), name
         assert re.search(rf"\\begin{{{kind}\*?}}\[t\]\n\\centering\n", text) and "\\caption{" in text, name
         assert f"\\label{{{kind[:3]}:{name.removesuffix('.tex').removesuffix('-figure')}}}" in text
         if kind == "figure":

@@ -96,6 +96,7 @@ def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -
         title=f"hmdwarp bench: {' '.join(title)}",
         heading=title,
         facts=[page.fact(label, text) for label, text in facts if text],
+        shared=common(rows),
         command=data.get("command") or "",
         sections=(
             page.Section("", [clock_note and page.Text(clock_note)], style="after"),

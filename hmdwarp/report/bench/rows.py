@@ -105,20 +105,25 @@ class Case:
         """Return who wins by RULE, as `winners` of bench.json has it, and which metrics disagree.
 
         A metric does if its own best is better than the winner, and their interval excludes 0.
-        Holes, which a method without a warp has none of, are compared within a tie.
+        Holes, which a method without a warp has none of, are compared within a tie. `paired`:
+        the difference of each method to the best, by which it ties or loses.
         """
         best, disagree = self.leaders(), []
         for metric in (metrics.get(name) for name in _RANKS if best and name != PRIMARY):
             others = (self if metric.is_contest else Case("", tuple(best))).leaders(metric.name)
-            first = best[0]["at_instants"][metric.name]
             for other in others[:1]:
-                apart = [value - first[at] for at, value in other["at_instants"][metric.name].items() if at in first]
-                interval = interval_of_mean(apart)
-                if excludes_zero(interval):
-                    found = {"difference": math.fsum(apart) / len(apart), "interval": interval}
+                found = _paired(other, best[0], metric.name)
+                if excludes_zero(found["interval"]):
                     disagree.append({"metric": metric.name, "best": row_name(other), **found})
-        names = [*map(row_name, best)]
-        return {"case": self.label, "metric": PRIMARY, "rule": RULE, "best": names, "disagree": disagree}
+        rows = [row for row in self.ordered() if best and row is not best[0] and _interval(row, PRIMARY)]
+        return {
+            "case": self.label,
+            "metric": PRIMARY,
+            "rule": RULE,
+            "best": [*map(row_name, best)],
+            "disagree": disagree,
+            "paired": [{"method": row_name(row), **_paired(row, best[0], PRIMARY)} for row in rows],
+        }
 
     def held(self, measure: str = PRIMARY) -> list[Row]:
         """Return the rows of the front that are surely better than the quicker one before them.
@@ -132,6 +137,13 @@ class Case:
             if values and (not kept or differ(kept[-1]["at_instants"][measure], values)):
                 kept.append(row)
         return kept
+
+
+def _paired(row: Row, first: Row, measure: str) -> dict[str, Any]:
+    """Return the mean difference of two rows over the instants of both, and its interval."""
+    ours, theirs = (one["at_instants"][measure] for one in (row, first))
+    apart = [value - theirs[at] for at, value in ours.items() if at in theirs]
+    return {"difference": math.fsum(apart) / len(apart) if apart else None, "interval": interval_of_mean(apart)}
 
 
 def _interval(row: Row, measure: str) -> Any:
