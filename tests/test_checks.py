@@ -45,3 +45,10 @@ def test_the_public_host_runs_what_ci_runs():
     assert job["strategy"]["matrix"]["python"] == ["3.11", "3.13"]
     assert [step["run"] for step in job["steps"] if "run" in step] == [".ci/run"]
     assert not [step for step in job["steps"] if "upload" in step.get("uses", "")]
+
+
+def test_no_test_sets_a_deadline_of_its_own():
+    """Or a list of health checks that leaves the one for slow strategies on."""
+    own = re.compile(r"\bdeadline=|suppress_health_check=(?!ONE_FIXTURE_FOR_ALL|list\(HealthCheck\))")
+    paths = [path for path in (ROOT / "tests").rglob("*.py") if path.stem not in ("properties", "test_checks")]
+    assert [path for path in paths if own.search(path.read_text(encoding="utf-8"))] == []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from pathlib import Path
 
@@ -43,28 +42,13 @@ def glossary_rows() -> list[tuple[str, str]]:
 
 
 def public_names() -> dict[str, Path]:
-    """Return packages, public modules and names that packages re-export, each with its file."""
+    """Return modules and their names that no underscore begins, each with its file."""
     names = {}
     for path in sorted(PACKAGE.rglob("*.py")):
         stem = path.parent.name if path.name == "__init__.py" else path.stem
-        if not stem.startswith("_"):
-            names[stem] = path
-        if path.name == "__init__.py":
-            stub = path.with_suffix(".pyi")
-            face = stub if stub.is_file() else path
-            names |= dict.fromkeys(exported(ast.parse(face.read_text(encoding="utf-8"))), face)
+        defined = re.findall(r"^(?:class|def) (\w+)", path.read_text(encoding="utf-8"), re.MULTILINE)
+        names |= {name: path for name in (stem, *defined) if not name.startswith("_")}
     return names
-
-
-def exported(module: ast.Module) -> list[str]:
-    """Return what a package re-exports: the names of its __all__, or of its stub."""
-    found: list[str] = []
-    for statement in module.body:
-        if isinstance(statement, ast.Assign) and ast.unparse(statement.targets[0]) == "__all__":
-            found += [node.value for node in ast.walk(statement.value) if isinstance(node, ast.Constant)]
-        elif isinstance(statement, ast.ImportFrom):
-            found += [alias.asname for alias in statement.names if alias.asname]
-    return [name for name in found if not name.startswith("__")]
 
 
 def test_public_names_use_no_retired_words():

@@ -21,11 +21,7 @@ WALK = {"trace": "walk", "start_s": 3.0}
 BEGINNING = {"trace": "walk", "start_s": 1.2}  # where the test scenes are still in front of the head
 LOOPS = {
     "room-forward-interpolate-radial": {
-        **WALK,
-        "scene": "room",
-        "warp": "forward",
-        "fill": "interpolate",
-        "lens": "radial",
+        **WALK, "scene": "room", "warp": "forward", "fill": "interpolate", "lens": "radial",
     },
     "room-backward-none-none": {**WALK, "scene": "room", "warp": "backward"},
     "room-rotation-guard": {"trace": "look-around", "start_s": 2.0, "scene": "room", "warp": "rotation", "guard": 1.4},
@@ -33,7 +29,7 @@ LOOPS = {
     "planes-none-radial": {**BEGINNING, "scene": "planes", "warp": "none", "lens": "radial", "headset": "cardboard-v2"},
     "spheres-forward-none-none": {**BEGINNING, "scene": "spheres", "warp": "forward"},
     "room-iterative-index": {**WALK, "scene": "room", "warp": "iterative", "headset": "index", "guard": 1.2},
-}
+}  # fmt: skip
 SIZE = (80, 100)
 
 # llvmpipe of one Mesa and LLVM gives the same bits every time. Another one may round a colour the

@@ -5,7 +5,6 @@ Every reader of a file is here: an entry of READERS, or a layout of recorded fra
 
 from __future__ import annotations
 
-import json
 import os
 import resource
 import shutil
@@ -20,6 +19,7 @@ import pytest
 from PIL import Image
 from recorded_folders import HAS_EXR, LAYOUTS, Form, taken
 from ros_bags import BEGINS_NS, FORMS, HAS_ROSBAGS, Messages, form_of, write_bag
+from scenes.glb import Glb
 
 from hmdwarp.client.classes import load_client
 from hmdwarp.errors import InputError
@@ -235,32 +235,25 @@ def test_every_file_of_a_layout_is_plain_bounded_and_inside_its_folder(recorded,
         assert said is not None and "lies outside" in said and "--allow-outside" in said, (path.name, said)
 
 
-NAMES_OUTSIDE = {"a way up": "../secret.png", "an absolute name": "{}/secret.png"}
+# Where a file of each names another one: in what file, what stands there, with the new name for {},
+# and what it named.
+NAMING = {
+    "nerfstudio": ("transforms.json", '"depth/0.png"', '"{}"', "depth/0.png"),
+    "tum": ("depth.txt", "depth/0.png", "{}", "depth/0.png"),
+    "pictures": ("0.json", "{", '{{"depth": "{}", ', "0.depth.png"),
+}
 
 
-@pytest.mark.parametrize("how", NAMES_OUTSIDE)
-@pytest.mark.parametrize("kind", ["nerfstudio", "tum", "depth of a picture"])
-def test_frames_name_files_of_their_own_folder_alone(kind, how, tmp_path, monkeypatch):
-    form = FORMS[{"depth of a picture": "pictures"}.get(kind, kind)]
-    folder = tmp_path / "taken"
+@pytest.mark.parametrize("up", ["..", "{}"], ids=["a way up", "an absolute name"])
+@pytest.mark.parametrize("kind", NAMING)
+def test_frames_name_files_of_their_own_folder_alone(kind, up, tmp_path, monkeypatch):
+    form, folder, (file, found, put, target) = FORMS[kind], tmp_path / "taken", NAMING[kind]
     folder.mkdir()
     form.write(folder, FRAMES)
-    name = NAMES_OUTSIDE[how].format(tmp_path)
-    at = {"nerfstudio": "transforms.json", "tum": "depth.txt"}.get(kind)
-    path = folder / at if at else min(folder.glob("*.json"))
-    text = path.read_text()
-    if kind == "tum":
-        first = next(line for line in text.splitlines() if not line.startswith("#"))
-        target, text = folder / first.split()[1], text.replace(first.split()[1], name, 1)
-    else:
-        facts = json.loads(text)
-        facts, key = (facts["frames"][0], "depth_file_path") if kind == "nerfstudio" else (facts, "depth")
-        target = folder / facts.get("depth_file_path", path.with_suffix(".depth.png").name)
-        whole = json.loads(text)
-        (whole["frames"][0] if kind == "nerfstudio" else whole)[key] = name
-        text = json.dumps(whole)
-    shutil.copy(target, tmp_path / "secret.png")
-    path.write_text(text)
+    shutil.copy(folder / target, tmp_path / "secret.png")
+    text, name = (folder / file).read_text(), f"{up.format(tmp_path)}/secret.png"
+    assert found in text
+    (folder / file).write_text(text.replace(found, put.format(name), 1))
     refused(lambda: read_all(form, folder), "secret.png", "lies outside", "--allow-outside")
     monkeypatch.setenv("HMDWARP_ALLOW_OUTSIDE", "")  # given back after the test
     allow_outside(True)
@@ -269,86 +262,47 @@ def test_frames_name_files_of_their_own_folder_alone(kind, how, tmp_path, monkey
 
 # --- scenes
 
-TRIANGLE = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4").tobytes()
-GLTF = {
-    "asset": {"version": "2.0"},
-    "buffers": [{"uri": "beside.bin", "byteLength": len(TRIANGLE)}],
-    "bufferViews": [{"buffer": 0, "byteLength": len(TRIANGLE)}],
-    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
-    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-    "nodes": [{"mesh": 0}],
-    "scenes": [{"nodes": [0]}],
-}
-OBJ = "mtllib {}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n"
-
-
-def gltf_naming(folder: Path, name: str) -> Path:
-    (folder / "scene.gltf").write_text(json.dumps({**GLTF, "buffers": [{"uri": name, "byteLength": len(TRIANGLE)}]}))
-    return folder / "scene.gltf"
-
-
-def gltf_with_picture(folder: Path, name: str) -> Path:
-    (folder / "own.bin").write_bytes(TRIANGLE)
-    more = {
-        "images": [{"uri": name}],
-        "textures": [{"source": 0}],
-        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}]}],
-        "accessors": [*GLTF["accessors"], {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2"}],
-    }
-    (folder / "scene.gltf").write_text(json.dumps({**GLTF, **more, "buffers": [{"uri": "own.bin", "byteLength": 36}]}))
-    return folder / "scene.gltf"
-
-
-def obj_naming(folder: Path, name: str) -> Path:
-    (folder / "scene.obj").write_text(OBJ.format(name))
-    return folder / "scene.obj"
-
-
-def obj_with_picture(folder: Path, name: str) -> Path:
-    (folder / "own.mtl").write_text(f"newmtl m\nmap_Kd {name}\n")
-    return obj_naming(folder, "own.mtl")
-
-
+# The scene, where it names a file, and which.
 SCENES = {
-    "buffer": (gltf_naming, "beside.bin"),
-    "picture": (gltf_with_picture, "beside.png"),
-    "materials": (obj_naming, "beside.mtl"),
-    "picture of materials": (obj_with_picture, "beside.png"),
+    "buffer": ("scene.gltf", "scene.gltf", "all numbers.bin"),
+    "picture": ("scene.gltf", "scene.gltf", "picture 0.png"),
+    "materials": ("scene.obj", "scene.obj", "own.mtl"),
+    "picture of materials": ("scene.obj", "own.mtl", "own.png"),
 }
+OBJ = "mtllib own.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n"
 
 
-def write_beside(path: Path) -> None:
-    if path.suffix == ".png":
-        Image.new("RGB", (2, 2)).save(path)
-    else:
-        path.write_bytes(TRIANGLE if path.suffix == ".bin" else b"newmtl m\nKd 1 0 0\n")
+def write_scenes(folder: Path) -> None:
+    folder.mkdir()
+    made = Glb()
+    made.material(pbrMetallicRoughness={"baseColorTexture": made.texture(np.full((8, 8, 4), 200, np.uint8))})
+    made.write_gltf(folder / "scene.gltf", inside=False)
+    (folder / "scene.obj").write_text(OBJ)
+    (folder / "own.mtl").write_text("newmtl m\nmap_Kd own.png\n")
+    Image.new("RGB", (2, 2)).save(folder / "own.png")
 
 
 @pytest.mark.parametrize("kind", SCENES)
 def test_files_of_a_scene_are_plain_bounded_and_inside_its_folder(kind, tmp_path, monkeypatch):
-    write, name = SCENES[kind]
-    folder = tmp_path / "scene"
-    folder.mkdir()
+    write_scenes(folder := tmp_path / "scene")
+    scene, naming, beside = (folder / name for name in SCENES[kind])
+    whole, right, outside = load_scene(scene).triangle_count, naming.read_text(), tmp_path / beside.name
+    beside.rename(outside)
     for what, put in OTHERS.items():
-        put(folder / name)
-        scene = write(folder, name)
+        put(beside)
         if what == "a directory":  # as if there were none
             assert "picture" not in kind or load_scene(scene).notes
+            beside.rmdir()
         else:
-            refused(lambda scene=scene: load_scene(scene), what)
-        (folder / name).rmdir() if what == "a directory" else (folder / name).unlink()
-    write_beside(folder / name)
-    assert load_scene(write(folder, name)).triangle_count == 1
-    (folder / name).rename(tmp_path / name)
-    outside = [f"../{name}", str(tmp_path / name), f"file://{tmp_path / name}", name]
-    (folder / name).symlink_to(tmp_path / name)
-    for way in outside:
-        scene = write(folder, way)
-        refused(lambda scene=scene: load_scene(scene), "lies outside", "--allow-outside")
+            refused(lambda: load_scene(scene), what)
+            beside.unlink()
+    beside.symlink_to(outside)
+    for way in (beside.name, f"../{beside.name}", f"file://{outside}", str(outside)):
+        naming.write_text(right.replace(beside.name.replace(" ", "%20"), way))
+        refused(lambda: load_scene(scene), "lies outside", "--allow-outside")
     monkeypatch.setenv("HMDWARP_ALLOW_OUTSIDE", "")
     allow_outside(True)
-    assert load_scene(write(folder, outside[0])).triangle_count == 1
+    assert load_scene(scene).triangle_count == whole
 
 
 # --- a study

@@ -185,18 +185,8 @@ def test_the_tables_of_the_front_page_are_those_of_the_results(monkeypatch):
 @pytest.mark.slow(30)
 def test_make_replay_does_the_main_job(tmp_path):
     # All of the recording takes minutes; a third of a second of it takes the same way.
-    run(
-        [
-            "make",
-            "-C",
-            str(ROOT),
-            "replay",
-            "SECONDS=0.3",
-            f"OUT={tmp_path / 'out'}",
-            "OPTIONS=--size 96x120 --images 1",
-        ],
-        tmp_path,
-    )
+    options = ("SECONDS=0.3", f"OUT={tmp_path / 'out'}", "OPTIONS=--size 96x120 --images 1")
+    run(["make", "-C", str(ROOT), "replay", *options], tmp_path)
     assert (tmp_path / "out/report.html").is_file()
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 import re
-import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -15,6 +14,7 @@ from pathlib import Path
 
 import attrs
 import pytest
+from commands import status_of
 
 PROGRAM = [sys.executable, "-m", "hmdwarp"]
 ROOT = Path(__file__).resolve().parents[2]
@@ -54,22 +54,12 @@ class Done:
 
 
 @pytest.fixture
-def command(monkeypatch, capfd) -> Callable[..., Done]:
+def command(capfd) -> Callable[..., Done]:
     """command("replay", "still", ..) in this process, with real file descriptors caught."""
-    from hmdwarp.cli import main
 
     def call(*arguments: object) -> Done:
-        monkeypatch.setattr(sys, "argv", ["hmdwarp", *map(str, arguments)])
-        handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
         capfd.readouterr()
-        try:
-            with pytest.raises(SystemExit) as left:
-                main()
-        finally:
-            for number, handler in handlers.items():
-                signal.signal(number, handler)
-        out, err = capfd.readouterr()
-        return Done(left.value.code or 0, out, err)
+        return Done(status_of([*map(str, arguments)]), *capfd.readouterr())
 
     return call
 

@@ -223,16 +223,6 @@ def test_help_loads_nothing_heavy():
     assert loaded & HEAVY == set()
 
 
-@pytest.mark.parametrize(
-    "group", [[], ["study"], ["trace"], ["headset"]], ids=lambda group: " ".join(group) or "hmdwarp"
-)
-def test_no_summary_is_cut_in_80_columns(group, command, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "80")
-    out = command(*group, "--help").done().out
-    summaries = out.partition("Commands:")[2]
-    assert summaries and "..." not in summaries and "\u2026" not in summaries and max(map(len, out.splitlines())) <= 80
-
-
 def test_options_of_one_meaning_have_one_name():
     names = {row["name"] for row in entries("options")}
     assert {"trace-rate", "metrics-every", "force", "guard"} <= names

@@ -10,11 +10,7 @@ import pytest
 from recorded_folders import CX, CY, FX, FY, taken, write_npz, write_numbered, write_tum
 from scenes.glb import boxes, cube
 
-from hmdwarp.options import PICTURE, options_of
-from hmdwarp.scenes import SceneOptions
 from hmdwarp.sources.sequences import FACTS
-from hmdwarp.study.design import KINDS
-from hmdwarp.study.design.definitions import check_settings
 
 SMALL = ("--headset", "flat-90", "--latency", "200", "--rate", "30")
 
@@ -69,37 +65,12 @@ def test_a_delay_trace_is_followed(command, tmp_path):
     assert {round(float(row.split(",")[column]), 1) for row in rows[1:]} == {66.7}
 
 
-def test_effects_of_the_link_are_on_the_page_where_there_are_any(command, tmp_path):
-    options = ("--codec", "h264", "--loss", "0.2", "--link-seed", "2", "--latency", "50")
-    told = [part for part in QUICK if part != "--quiet"]
-    command(*told, "--seconds", "1", "--out", tmp_path / "out", *options).done()
-    link = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["link"]
-    assert link["frames"]["lost"] > 0 and link["codec"] == "h264"
-    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8").replace("<wbr>", "")
-    assert "Frames in transit" in page and "Response time" in page
-
-
-NAMES = {"scene_scale", "scene_up", "viewpoint", "animation"}
-
-
 @pytest.fixture
 def scene(tmp_path):
     """A room whose middle is at (104, 51.5, 203)."""
     path = tmp_path / "far.glb"
     path.write_bytes(boxes(cube((100, 50, 200), (108, 53, 206), inwards=True)).data())
     return path
-
-
-def test_a_study_may_set_them(scene):
-    assert set(KINDS) >= NAMES and {option.study for option in options_of(SceneOptions)} == {PICTURE}
-    settings = {
-        "scene": str(scene), "viewpoint": "102,51.6,203,90", "scene_scale": 1, "animation": "none", "warp": "none",
-    }  # fmt: skip
-    scenes: dict = {}
-    options = check_settings(settings, scenes)
-    assert options.scene_options == SceneOptions(viewpoint="102,51.6,203,90", animation="none")
-    check_settings(settings | {"viewpoint": "103,51.6,203"}, scenes)
-    assert len(scenes) == 2  # one for each way to see the file
 
 
 def test_plan_tells_what_was_noticed(command, scene):

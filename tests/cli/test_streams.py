@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import html
 import os
 import re
 import resource
+import shlex
 import subprocess
 from pathlib import Path
 
@@ -76,13 +78,9 @@ def test_notes_are_printed(command, tmp_path):
 
 
 def test_the_command_in_the_report_can_be_typed_again(command, tmp_path):
-    import shlex
-
     out = tmp_path / "it's here"
     command(*REPLAY, out, "--quiet").done()
     page = (out / "report.html").read_text(encoding="utf-8")
-    import html
-
     assert shlex.join(["hmdwarp", *REPLAY, str(out), "--quiet"]) in html.unescape(page)
 
 
@@ -118,10 +116,7 @@ RATINGS = "participant,condition,rating\n" + "".join(
 FOLDERS = {
     "replay": (["replay", "still", "--against", "", *TINY], "report.html"),
     "bench": (["bench", "still", *ONCE, *TINY], "bench.html"),
-    "live": (
-        ["live", "--source", "offscreen", "--trace", "walk", "--pictures", "2", "--quiet", *SMALL],
-        "frames.csv",
-    ),
+    "live": (["live", "--source", "offscreen", "--trace", "walk", "--pictures", "2", "--quiet", *SMALL], "frames.csv"),
     "analyse": (["study", "analyse", "ratings.csv", "--scale", "acr", "--quiet"], "tables/missing.csv"),
 }
 FILES = {

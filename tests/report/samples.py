@@ -87,3 +87,43 @@ def some_worst(count: int = 3, size=(320, 200)) -> list[WorstFrame]:
         columns = comparison_columns(rendered, truth, [("warped", warped, error), ("none", rendered, error)])
         frames.append(WorstFrame(3.2 * i + 1, i % 2, columns, values | {"flicker": None}))
     return frames
+
+
+NAMES = (
+    *("age_ms", "pose_age_ms", "period_ms", "busy_ms", "angular_speed_deg_s", "linear_speed_m_s"),
+    *("hole_share/0", "hole_share/1"),
+)
+REFRESH = {"render": (3.0, 4.0), "warp": (2.5,), "fill": (1.0,), "effects": (0.0,), "lens": (1.0,), "total": (7.5,)}
+
+
+def pair(median, p95=None):
+    return {"median": median, "p95": median if p95 is None else p95}
+
+
+def a_live_summary(**changes) -> dict:
+    live = {
+        "source": "openxr", "about": {"runtime": "Monado 25.0", "headset": "Simulated HMD"}, "record": "head.csv",
+        "seconds": 12.5, "refreshes": 1001, "missed": 9, "waiting": 3, "unseen": 2, "over": 40, "timed": 1001,
+        "age_ms": pair(203.4, 211.0), "pose_age_ms": pair(1.25, 1.9), "period_ms": pair(12.5, 13.1), "budget_ms": 12.5,
+        "refresh_ms": {name: pair(*ms) for name, ms in REFRESH.items()},
+        "changes": [{"time_s": 3.5, "frame": 280, "what": {"latency": [200.0, 250.0]}, "reason": "manual"}],
+        "change_count": 1, "notices": {"tracking lost": 12}, "lost": [],
+        "sampled_every": 1,
+    }  # fmt: skip
+    figures = aggregate(
+        [{"warp_ms": 1.25, "fill_ms": 0.5, "effects_ms": 0.0, "lens_ms": 0.5, "total_ms": 2.25, "hole_share": 0.0213}]
+    )
+    return {
+        **a_summary(), **figures, "clock": "gpu", "rate_hz": 80.0, "notes": ["A <note>."],
+        "miss": {"stale_share": 9 / 1010, "longest_stale": 4, "budget_ms": 12.5},
+        "live": {**live, **changes},
+    }  # fmt: skip
+
+
+def a_column(count=300, holes=True):
+    rng = np.random.default_rng(1)
+    columns = {"time_s": np.arange(count) / 80, **{name: rng.uniform(1, 12, count) for name in NAMES}}
+    columns["pose_age_ms"][0] = columns["period_ms"][0] = np.nan
+    if not holes:
+        columns["hole_share/0"][:] = columns["hole_share/1"][:] = np.nan
+    return lambda name: columns[name].copy()

@@ -9,7 +9,6 @@ import re
 import pytest
 from rich.console import Console
 
-from hmdwarp.metrics import aggregate
 from hmdwarp.report.bench.rows import COLUMNS, bench_table, cases, common, verdict_text
 
 from .bench_samples import WARPS, a_row, some_rows
@@ -40,9 +39,7 @@ def test_fits_and_nothing_is_cut(width):
         assert [name for name in (*SPECS, "[bold]x[/bold]", "[red]t.csv") if name not in text] == []
 
 
-def test_a_baseline_is_marked_with_its_system_and_a_spread_is_that_where_nothing_was_cut():
-    rows = [a_row("mesh"), a_row("mesh:grid=64", baseline="CloudXR.js")]
-    assert "mesh:grid=64 (CloudXR.js)" in printed(rows, 140)
+def test_a_spread_is_that_where_nothing_was_cut():
     near_the_end = {"quality": {"ssim": {"mean": 0.99, "interval": [0.9, 1.0]}}}
     assert COLUMNS["ssim_spread"].value(near_the_end) == pytest.approx(0.09)
 
@@ -61,34 +58,13 @@ def test_each_case_begins_with_its_best_and_marks_its_front():
         assert 1 < len(best) < len(block)
 
 
-def test_a_rating_has_a_column_where_any_row_has_one():
-    rows = some_rows(latencies=(200.0,))
-    assert "JOD" not in printed(rows, 140)
-    rows[0] = {**rows[0], "jod": {"mean": 8.254, "truth_preferred": 0.88}}
-    assert "JOD" in printed(rows, 140) and printed(rows, 140).count("8.25") == 1
-
-
-def test_rows_with_other_conditions_are_another_case_and_one_case_needs_no_heading():
-    text = printed(some_rows(traces=("walk",), latencies=(400.0,)))
-    assert text.splitlines()[0].startswith("walk, 400 ms, scene room, 1280x800") and "cases" not in text
+def test_rows_with_other_conditions_are_another_case():
     rows = [a_row(), a_row("backward"), a_row(size=[640, 400]), a_row(guard=1.0), a_row(scene="planes")]
     groups = cases(rows)
     assert [len(group.rows) for group in groups] == [2, 1, 1, 1]
     assert groups[1].label == "look-around, 200 ms, scene room, 640x400, guard 1.5"
     assert "scene room" not in common(rows) and "rift-dk1" in common(rows)
-    assert cases([]) == [] and "0 cases" in printed([])
-
-
-def test_an_unmeasured_row_is_a_dash_and_comes_last():
-    nothing = a_row("rotation", **aggregate([]), regions={})
-    text = printed([nothing, a_row()])
-    assert len(re.findall("–", text)) == 6
-    assert text.index("forward") < text.index("rotation")
-
-
-def test_every_column_has_a_text_for_every_row():
-    for row in (a_row(), a_row(**aggregate([]), regions=None, size=None)):
-        assert all(isinstance(column.text(row), str) and column.text(row) for column in COLUMNS.values())
+    assert cases([]) == []
 
 
 def test_a_lead_within_the_noise_is_not_marked_and_too_few_instants_mark_nothing():

@@ -1,13 +1,10 @@
 """Charts: pooling keeps what matters, and the SVG fits into any page."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.report import Series, binned, time_series
-
-from .samples import some_rows
+from hmdwarp.report import Series, binned
 
 points = st.lists(st.tuples(st.integers(0, 60), st.floats(-1e6, 1e6)), max_size=120)
 
@@ -38,19 +35,3 @@ def test_rows_without_a_value_are_left_out():
     rows = [{"time_s": 2, "flip": 0.5}, {"time_s": 1, "flip": None}, {"time_s": 0, "flip": 0.25}, {"time_s": 3}]
     series = Series.of("a", rows, "flip", 100)
     assert series.time_s.tolist() == [0, 2] and series.value.tolist() == [25, 50]
-
-
-def svg(rows):
-    return time_series([Series.of("forward", rows, "flip")], "unit")
-
-
-def test_a_long_run_makes_no_larger_page():
-    short, long = (svg(some_rows(seconds=s, rate=90, every=1)) for s in (20, 120))
-    assert len(long) < 1.2 * len(short)
-
-
-@pytest.mark.parametrize("count", [0, 1, 2])
-def test_few_points_or_none(count):
-    text = svg([{"time_s": t, "flip": 0.1} for t in range(count)])
-    assert ("not measured" in text) == (count == 0)
-    assert ("<use" in text) == (count > 0)  # dots

@@ -62,12 +62,6 @@ def test_latex_has_as_many_cells_in_each_line_as_columns_and_no_letter_with_a_me
     assert r"50 \% \& \#1\_\{x\}" in files["table-1.tex"].decode()
 
 
-def test_heads_have_units_and_intervals_are_written(files):
-    head, _, *rows = (line.split(" | ") for line in files["table-1.md"].decode().splitlines())
-    assert {"time ms", "PSNR dB", "FLIP", "FLIP ±"} <= set(head)
-    assert len(rows) == 6 and all(len(row) == len(head) for row in rows)
-
-
 def test_each_metric_has_its_interval_and_bold_is_the_best_of_a_column():
     """Of two with one error in all instants none is better: both are bold, as the quickest is."""
     rows = [a_row("forward"), a_row("rotation"), a_row("splat")]

@@ -9,11 +9,12 @@ from hmdwarp.errors import InputError
 from hmdwarp.metrics import aggregate
 from hmdwarp.report import FRAME_COLUMNS, SUMMARY_KEYS, summary_faults, validate_summary
 
-from .samples import a_summary
+from .samples import a_live_summary, a_summary
 
 
 def test_a_full_summary_and_one_without_any_measurement_are_fine():
     validate_summary(a_summary())
+    validate_summary(a_live_summary())
     validate_summary({**a_summary(), **aggregate([]), "more": "keys are allowed"})
 
 

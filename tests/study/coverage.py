@@ -20,15 +20,7 @@ from hmdwarp.study.design import Comparison, Design, load_design
 from hmdwarp.study.respondents import Model, SicknessModel, load_model
 from hmdwarp.study.statistics import JOD_SPREAD, attained_level, bca, hodges_lehmann, holm, wilcoxon_exact
 
-from .analysis.tables import (
-    SCORES,
-    cohort_of,
-    differences,
-    judges,
-    pairs_of,
-    simulated,
-    unlimited,
-)
+from .analysis.tables import SCORES, cohort_of, differences, judges, pairs_of, simulated, unlimited
 
 PART, MANY, LEVEL, STUDIES, STUDIES_OF_PAIRS = "run-1", 20_000, 0.95, 400, 150
 FAR = 1e-9  # an end of an interval and a true value that are equal but for the last digits

@@ -12,7 +12,6 @@ makes of it.
 from __future__ import annotations
 
 import json
-import os
 import re
 import shlex
 import shutil
@@ -23,6 +22,7 @@ from pathlib import Path
 
 import pytest
 from commands import hmdwarp
+from golden_texts import assert_text, words_of
 
 from hmdwarp.errors import InputError
 from hmdwarp.scenes import inputs_beside
@@ -31,10 +31,9 @@ from hmdwarp.study.analysis.long_table import SourceOptions, from_csv
 
 TABLES = Path(__file__).with_name("tables")
 GOLDEN, ROOT = Path(__file__).parent / "golden", str(Path(__file__).resolve().parents[2])
-WRITING = os.environ.get("HMDWARP_GOLDEN") == "write"
-# Versions differ from machine to machine. The page with its plots has tests of its own.
+# Versions differ from machine to machine.
 VARIES = re.compile(r'("(?:commit|options|python|numpy|moderngl|hmdwarp|Version|SoftwareVersion)": )"[^"]*"')
-MADE = re.compile(r'(?:commit [^"\n]*?, )?python \d[^"\n]*?moderngl [\w.]+|hmdwarp \d[\w.+]*')
+MADE = re.compile(r'(?:commit [^"\n]*?, )?python \d[^"\n]*?moderngl [\w.]+|hmdwarp\s\d[\w.+]*')
 # Of times nanoseconds stay, the ninth decimal; a float with more is rounded.
 NUMBER = re.compile(r"-?\d+\.\d{10,}(?:e-?\d+)?|-?\d+(?:\.\d+)?e-\d+")
 COLUMNS = ["participant", "part", "condition", "scale", "value", "why_missing", "place", "previous"]
@@ -61,10 +60,12 @@ def restored(folder: Path, data: Path) -> Path:
 
 
 def written(folder: Path) -> list[str]:
-    """Every file; of equal ones the first."""
+    """Every file, of a page its words; of equal ones the first."""
     first: dict[str, str] = {}
-    for path in sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix != ".html"):
+    for path in sorted(path for path in folder.rglob("*") if path.is_file()):
         text, name = path.read_bytes().decode(), path.relative_to(folder).as_posix()
+        if path.suffix == ".html":
+            text = words_of(text)
         first[f"== {name}"] = f"as {known}" if (known := next((k for k, v in first.items() if v == text), "")) else text
     return [f"{name}\n{text}" for name, text in first.items()]
 
@@ -94,10 +95,7 @@ def test_a_recorded_study_gives_what_it_gave(folder, tmp_path):
 
 
 def compare(text: str, expected: Path) -> None:
-    text = NUMBER.sub(lambda found: f"{float(found[0]):.8g}", text)
-    if WRITING:
-        expected.write_text(text, encoding="utf-8")
-    assert text.splitlines() == expected.read_text(encoding="utf-8").splitlines()
+    assert_text(NUMBER.sub(lambda found: f"{float(found[0]):.8g}", text), expected)
 
 
 def test_tables_of_ratings_give_what_they_gave(tmp_path):

@@ -167,11 +167,6 @@ def test_a_cluster_measures_the_same(store):
     assert measured_of(store) == there
 
 
-def test_a_study_without_trials_to_measure_is_refused(store):
-    with pytest.raises(InputError, match="nothing to measure"):
-        measure_study(store, attrs.evolve(OPTIONS, pilot=True))
-
-
 def test_a_warp_chosen_by_the_machine_is_not_made_up(store, tmp_path):
     (tmp_path / "bench.json").write_text("{}", encoding="utf-8")
     settings = {"warp": "auto", "budget": 5.0, "bench": str(tmp_path / "bench.json")}
@@ -282,10 +277,3 @@ def test_unshowable_frames_are_refused_in_the_plan(recorded, old, new, told):
     recorded.write_text(RECORDED.replace(old, new, 1), encoding="utf-8")
     with pytest.raises(InputError, match=told):
         load_design(str(recorded))
-
-
-def test_only_recorded_frames_bring_a_head_of_their_own(tmp_path):
-    alone = SessionOptions(study="quick", participant="P1", source="offscreen", pilot=True, store=tmp_path / "store")
-    with pytest.raises(InputError, match="name a recorded one by --trace"):
-        run_session(alone)
-    assert not (tmp_path / "store").exists()

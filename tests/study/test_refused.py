@@ -1,5 +1,4 @@
-"""Files that are wrong in one place: each is refused in one line, with the line of the fault; and
-those that are right, of which something is to be thought (plans/whole.hints).
+"""Files that are wrong in one place: each is refused in one line, with the line of the fault.
 
 refused/NAME.txt is of plans/NAME.toml, or of the scale of that name. Its first line says what reads
 it, each other one what is put in place of what, and what is said of it:
@@ -20,12 +19,12 @@ from pathlib import Path
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.design import design_from_text, notes
+from hmdwarp.study.design import design_from_text
 from hmdwarp.study.respondents import model_from_text
 from hmdwarp.study.scales import FOLDER as SCALES
 from hmdwarp.study.scales import load_scale
 
-from .plans import PLANS, text_of
+from .plans import PLANS
 
 
 def scale_from_text(text: str, path: str) -> object:
@@ -66,9 +65,3 @@ def test_wrong_input_is_refused_with_its_line(file, tmp_path):
         told = str(caught.value)
         assert says in told and "\n" not in told, (entry, told)
         assert told.startswith(f"{path}:{wrong[:at].count(chr(10)) + 1}: "), (entry, told)
-
-
-def test_hints_before_a_study():
-    for entry, found, put, says in entries_of((PLANS / "whole.hints").read_text(encoding="utf-8")):
-        told = notes(design_from_text(text_of("whole", (found, put)), "whole.toml"))
-        assert any(says in note for note in told), (entry, told)

@@ -92,15 +92,9 @@ def cohort_of(model: Model, design: Design, part: str, people: Iterable[int], se
 def simulated(design: Design, model: Model, study: int, people: int = 14) -> Ratings:
     """A whole study of pairs, without pictures."""
     scale, cohort = design.scales[0], cohort_of(model, design, "main", range(people), study)
+    common = {"part": "main", "scale": scale.name, "allows_ties": scale.allows_ties, "reference": "reference"}
     said = [
-        {
-            "participant": f"p{k}",
-            "part": "main",
-            "scale": scale.name,
-            "first": cohort.names[a],
-            "second": cohort.names[b],
-        }
-        | {"answer": float(answer), "allows_ties": scale.allows_ties, "reference": "reference"}
+        {**common, "participant": f"p{k}", "first": cohort.names[a], "second": cohort.names[b], "answer": float(answer)}
         for k in range(people)
         for (a, b), answer in zip(cohort.order[k], cohort.answers[scale.name][k], strict=True)
     ]

@@ -14,13 +14,12 @@ import attrs
 import pytest
 from together import together
 
-from hmdwarp.errors import InputError, MachineError
+from hmdwarp.errors import InputError
 from hmdwarp.report import study_page
-from hmdwarp.resources import import_extra
 from hmdwarp.study.analysis.findings import claims_for
 from hmdwarp.study.analysis.full_analysis import analyse, analysis_folder, write_analysis
 from hmdwarp.study.analysis.long_table import Ratings, SourceOptions, from_contents, from_csv
-from hmdwarp.study.design import Comparison, Family, design_from_text, load_design
+from hmdwarp.study.design import design_from_text
 from hmdwarp.study.export.write import ExportOptions, export, without_consent
 from hmdwarp.study.scales import FOLDER as SCALES
 from hmdwarp.study.scales import load_scale
@@ -28,7 +27,7 @@ from hmdwarp.study.store import COMPLETE, PERSON, PILOT, SIMULATED, Store
 
 from ..store.sessions import go_through
 from ..test_golden import GOLDEN, restored
-from .tables import GRADE, PUBLISHED, in_order, ratings_of
+from .tables import PUBLISHED, ratings_of
 
 pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install '.[study]')")
 TEXT = (GOLDEN / "ratings" / "study.toml").read_text(encoding="utf-8")
@@ -134,15 +133,9 @@ def test_custom_scales_are_reported_like_shipped_ones(tmp_path):
 
 def test_a_change_counts_each_person_once_however_many_sessions_they_had(contents, design):
     """Five people with one change in each of two sessions are five, and their p is 2 / 2^5."""
+    vrsq = {"scale": "vrsq"}
     survey = [
-        {
-            "participant": f"p{who}",
-            "session": session,
-            "phase": phase,
-            "item": item.key,
-            "value": value,
-            "scale": "vrsq",
-        }
+        {"participant": f"p{who}", "session": session, "phase": phase, "item": item.key, "value": value} | vrsq
         for who in range(5)
         for session in (1, 2)
         for phase, value in (("before", 0.0), ("after", float(session)))
@@ -151,14 +144,6 @@ def test_a_change_counts_each_person_once_however_many_sessions_they_had(content
     rows = analyse(attrs.evolve(from_contents(contents, design), survey=survey))["questionnaires"]
     assert [(row["n"], row["p"]) for row in rows] == [(5, 2 / 2**5)] * 3
     assert [row["change"] for row in rows] == pytest.approx([50.0] * 3)
-
-
-def test_a_questionnaire_asked_once_has_quartiles_on_the_page(tmp_path):
-    with Store(restored(GOLDEN / "degradation", tmp_path / "data")) as store:
-        data = analyse(from_contents(store.contents(), load_design(str(GOLDEN / "degradation" / "study.toml"))))
-    page = study_page(data, "").html().replace("<wbr>", "")
-    assert "Questionnaires, answered once" in page and "ipq after: " in page and "0 to 6" in page
-    assert "Questionnaires, answered once" not in study_page({**data, "asked_once": []}, "").html()
 
 
 def test_a_session_is_read_by_the_plan_it_was_run_by(contents):
@@ -217,31 +202,3 @@ def test_a_page_of_hardly_anything_can_be_made(tmp_path):
     for number, values in enumerate(({"late": [None]}, {"late": [3.0]}, {"late": [3, 4], "warped": [3, 4]})):
         html = page_of(tmp_path / str(number), ratings_of(values))
         assert not re.search(r"\bnan\b", Page(html).text, re.IGNORECASE)
-
-
-def test_the_order_has_its_chart_where_it_is_known(tmp_path):
-    rows = in_order(people=8).to_dict("records")
-    text = Page(page_of(tmp_path / "out", Ratings(rows, {"grade": GRADE}))).text
-    assert "The place of a trial: F(1, " in text
-
-
-def test_charts_break_names_between_words_and_have_axes_without_factors():
-    """Text of an axis that reaches a billionth either way, as of equal pairs, has a factor."""
-    name = "forward + interpolate+composite, 800 ms"
-    pair = (Family("one", (Comparison("", "late", name),)),)
-    page = study_page(analyse(attrs.evolve(ratings_of({"late": [3.0] * 5, name: [3.0] * 5}), families=pair)), "").html()
-    assert ">interpolate+<" in page and ">composite<" in page
-    words = re.findall(r">([^<>]*)</text>", page)
-    assert "1.0" in "".join(words) and not any(word.startswith("1e") for word in words)
-
-
-def test_a_page_of_others_is_not_overwritten(tmp_path):
-    (tmp_path / "report.html").write_text("theirs")
-    with pytest.raises(InputError, match="report.html exists"), analysis_folder(tmp_path):
-        pass
-
-
-def test_a_missing_package_is_named_with_its_installation():
-    told = r"this needs statsmodels, which is not installed: pip install '\.\[study\]'"
-    with pytest.raises(MachineError, match=told):
-        import_extra("statsmodels_that_is_not_there", "statsmodels", "study")

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from together import together
 
 from hmdwarp.errors import InputError
-from hmdwarp.report import p_text, signed, study_page
+from hmdwarp.report import p_text, signed
 from hmdwarp.study.analysis.findings import MEASURES, claims_for, correlation_data, load_claims
 from hmdwarp.study.analysis.full_analysis import analyse
-from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo, SourceOptions, from_csv, ratings_from
+from hmdwarp.study.analysis.long_table import SourceOptions, from_csv
 from hmdwarp.study.design import SHIPPED
 
 from .tables import PUBLISHED
@@ -85,13 +85,6 @@ def test_the_claims_are_those_of_the_table_and_their_step_is_the_largest_that_ho
     assert found == {(line[0], float(line[1])): float(line[5]) for line in LINES}
     assert gcd(*(round(1000 * difference) for difference in found.values())) == 25
     assert {claim.step for claim in claims} == {0.025}
-
-
-def test_the_shipped_study_without_a_store_is_its_published_ratings(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # where a store would be
-    found = ratings_from("thesis", None, SourceOptions())
-    assert len(found.rows) == 126 and found.scale_info["grade"].low_is_good
-    assert not any("does not give the direction" in note for note in found.notes)
 
 
 def test_the_example_of_the_docs_is_a_file_of_claims(tmp_path):
@@ -195,11 +188,3 @@ def test_missing_ratings_and_other_scales_are_left_alone():
     more = [one | {"value": None} for one in ROWS[:5]] + [one | {"scale": "acr", "low_is_good": False} for one in ROWS]
     assert found_in(ROWS + more) == found_in(ROWS)
     assert found_in(ROWS + more, "acr")["measures"][0]["r"] == pytest.approx(-found_in(ROWS)["measures"][0]["r"])
-
-
-def test_the_page_has_each_correlation():
-    data = analyse(Ratings(ROWS, {"grade": ScaleInfo("grade", "Grade", low_is_good=True)}))
-    page = study_page(data, "hmdwarp study analyse").html()
-    said = data["scales"][0]["prediction"]["sentences"]
-    assert "What goes with the ratings" in page and said[0] in page
-    assert said[0].startswith("Within a person the ratings go with error (FLIP) +")

@@ -5,8 +5,6 @@ What is said of them, and of tables of others: tables/.
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from pathlib import Path
 
@@ -19,13 +17,7 @@ from statsmodels.formula.api import ols
 from statsmodels.stats.anova import anova_lm
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.analysis.findings import (
-    Resampling,
-    families_for,
-    load_claims,
-    order_effects,
-    preference_results,
-)
+from hmdwarp.study.analysis.findings import Resampling, families_for, load_claims, order_effects, preference_results
 from hmdwarp.study.analysis.full_analysis import analyse, said_of_preferences
 from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo, SourceOptions, from_csv, ratings_from_all
 from hmdwarp.study.design import Comparison, Family
@@ -141,16 +133,6 @@ def test_few_people_and_no_answers():
     assert found["sentences"] == ["No pair was compared."]
 
 
-def written(path: Path, rows: list[dict[str, object]], delimiter: str = ",", bom: bool = False) -> Path:
-    """A long table."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]), delimiter=delimiter, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    path.write_bytes((b"\xef\xbb\xbf" if bom else b"") + text.getvalue().encode())
-    return path
-
-
 def test_conditions_of_settings_are_compared_at_each_latency_or_as_requested():
     found = from_csv(PUBLISHED)
     assert found.conditions("run 1")[0] == "none, 200 ms"
@@ -167,11 +149,13 @@ def test_conditions_of_settings_are_compared_at_each_latency_or_as_requested():
         families_for(found, ["a-b"])
 
 
-def exported(path, participant: str, **more: str):
-    """A table as a site exports it."""
-    row = {"participant": participant, "session": "1", "scale": "grade", "origin": "person", **more}
-    rated = [{"trial": "1", "condition": "late", "value": "4"}, {"trial": "2", "condition": "warped", "value": "2.5"}]
-    return str(written(path, [{**row, **one} for one in rated]))
+def exported(path: Path, participant: str, session: int = 1, scale: str = "grade", **more: str) -> str:
+    """A table as a site exports it; more: columns."""
+    head = ",".join(["participant", "session", "scale", "trial", "condition", "value", *({"origin": ""} | more)])
+    last = ",".join(({"origin": "person"} | more).values())
+    rows = [f"{participant},{session},{scale},{one},{last}" for one in ("1,late,4", "2,warped,2.5")]
+    path.write_text("\n".join([head, *rows, ""]), encoding="utf-8")
+    return str(path)
 
 
 def test_tables_of_several_sites_are_one_study(tmp_path):
@@ -182,7 +166,7 @@ def test_tables_of_several_sites_are_one_study(tmp_path):
     assert found == [("k3x", "late", 4.0), ("k3x", "warped", 2.5), ("w9q", "late", 4.0), ("w9q", "warped", 2.5)]
     assert both.source == "berlin.csv, paris.csv"
     assert analyse(both)["participants"] == 2
-    second = exported(tmp_path / "again.csv", "k3x", session="2")
+    second = exported(tmp_path / "again.csv", "k3x", session=2)
     assert analyse(ratings_from_all([one, second], None, options))["participants"] == 1
     assert ratings_from_all([one], None, options).rows.equals(from_csv(tmp_path / "berlin.csv").rows)
 

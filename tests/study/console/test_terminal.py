@@ -21,21 +21,18 @@ PLAYED = [sys.executable, str(Path(__file__).with_name("played.py"))]
 
 
 class Terminal:
-    """A pseudo-terminal with a program in it (pexpect), and what stands on it (pyte). size:
-    (columns, rows). more: of the environment.
-    """
+    """A pseudo-terminal with a program in it (pexpect), and what stands on it (pyte)."""
 
-    def __init__(self, argv: list[str], size: tuple[int, int] = (80, 24), **more: str) -> None:
-        columns, rows = size
+    def __init__(self, argv: list[str], columns: int = 80, **more: str) -> None:
         environment = {**os.environ, "TERM": "xterm-256color", "PYTHONPATH": str(ROOT), "PYTHONUTF8": "1", **more}
         environment.pop("NO_COLOR", None)
-        self.screen = pyte.Screen(columns, rows)
+        self.screen = pyte.Screen(columns, 24)
         self._stream = pyte.ByteStream(self.screen)
         self.program = pexpect.spawn(
-            argv[0], argv[1:], dimensions=(rows, columns), env=environment, timeout=PATIENCE_S, cwd=str(ROOT)
+            argv[0], argv[1:], dimensions=(24, columns), env=environment, timeout=PATIENCE_S, cwd=str(ROOT)
         )
         self.program.delaybeforesend = None
-        self.keys = self.program.send
+        self._deadline = time.monotonic() + PATIENCE_S
 
     def __enter__(self) -> Terminal:
         return self
@@ -43,17 +40,18 @@ class Terminal:
     def __exit__(self, *_: object) -> None:
         self.program.close(force=True)
 
-    def take(self, seconds: float = 0.05) -> bool:
-        """Read what the program has written; return whether that was anything."""
+    def read(self) -> bool:
+        """Take what the program has written; return whether there may be more."""
+        assert time.monotonic() < self._deadline, f"it takes too long:\n{self.text()}"
         try:
-            data = self.program.read_nonblocking(1 << 16, timeout=seconds)
-        except (pexpect.TIMEOUT, pexpect.EOF):
+            self._stream.feed(self.program.read_nonblocking(1 << 16, timeout=0.05))
+        except pexpect.TIMEOUT:
+            return True
+        except pexpect.EOF:
             return False
-        self._stream.feed(data)
         return True
 
     def lines(self) -> list[str]:
-        self.take()
         return [line.rstrip() for line in self.screen.display]
 
     def text(self) -> str:
@@ -65,23 +63,13 @@ class Terminal:
 
     def until(self, *what: str) -> None:
         """Wait for texts that are on the screen together."""
-        deadline, has_ended = time.monotonic() + PATIENCE_S, False
-        while off := [each for each in what if each not in (text := self.text())]:
-            assert not has_ended and time.monotonic() < deadline, f"{off} did not come, has ended: {has_ended}\n{text}"
-            has_ended = not self.program.isalive()
-            while has_ended and self.take():  # a terminal gives a few kilobytes at a time
-                pass
+        is_open = True
+        while off := [each for each in what if each not in self.text()]:
+            assert is_open, f"it ended, and {off} did not come:\n{self.text()}"
+            is_open = self.read()
 
     def modes(self) -> list:
         return termios.tcgetattr(self.program.child_fd)
-
-    def ended(self) -> int | None:
-        """Wait until the program has; its exit status, None if by a signal."""
-        deadline = time.monotonic() + PATIENCE_S
-        while self.program.isalive() or self.take():
-            self.take()
-            assert time.monotonic() < deadline, f"it does not end:\n{self.text()}"
-        return self.program.exitstatus
 
 
 @pytest.fixture
@@ -112,24 +100,25 @@ SESSION = [  # the state, what is there then, what is typed, what comes of it
 ]
 
 
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-def test_a_session_by_typed_commands(log, size):
+def test_a_session_by_typed_commands(log):
     """Every command arrives, wrong ones are refused with words, and the terminal is afterwards as
     it was.
     """
-    with Terminal([*PLAYED, str(log), "reading"], size) as terminal:
+    with Terminal([*PLAYED, str(log), "reading"]) as terminal:
         before = terminal.modes()
         terminal.until("the session begins")
         for state, there, keys, told in SESSION:
             show(log, state)
             terminal.until(there)
             assert terminal.modes() != before
-            terminal.keys(keys)
+            terminal.program.send(keys)
             terminal.until(told)
-        terminal.keys("stop\r")
-        assert terminal.ended() == 0
-        assert terminal.modes() == before
-        assert "the program has ended" in terminal.text() and " | " not in terminal.last()
+        terminal.program.send("stop\r")
+        terminal.until("the program has ended")
+        assert " | " not in terminal.last() and terminal.modes() == before
+        while terminal.read():
+            pass
+        assert terminal.program.wait() == 0
     values = {"answer": 3.5, "remark": "the strap slipped: é"}
     commands = ("agree", "answer", "again", "remark", "skip", "pause", "continue", "break", "stop")
     assert asked(log) == [(command, values.get(command)) for command in commands]
@@ -137,17 +126,17 @@ def test_a_session_by_typed_commands(log, size):
 
 def test_the_status_is_one_line_and_keeps_what_is_typed(log):
     """Lines of the session come above it while a command is half typed, on a narrow screen too."""
-    with Terminal([*PLAYED, str(log), "showing"], (44, 24)) as terminal:
+    with Terminal([*PLAYED, str(log), "showing"], 44) as terminal:
         terminal.until("P07 | trial 3")
-        terminal.keys("pau")
+        terminal.program.send("pau")
         terminal.until("> pau")
         show(log, "lost")
         terminal.until("! tracking lost | P07")
         assert terminal.last().endswith("> pau")
         assert sum(" > " in line for line in terminal.lines()) == 1
-        terminal.keys("se\r")
+        terminal.program.send("se\r")
         terminal.until("asked for: pause")
-        terminal.keys("remark " + "漢字" * 40)
+        terminal.program.send("remark " + "漢字" * 40)
         terminal.until("字")
         assert sum(" > " in line for line in terminal.lines()) == 1
     assert asked(log) == [("pause", None)]
@@ -163,10 +152,9 @@ def test_the_terminal_is_given_back_after_an_error_and_taken_again_after_a_stop(
         os.kill(child, signal.SIGSTOP)
         termios.tcsetattr(terminal.program.child_fd, termios.TCSANOW, before)
         os.kill(child, signal.SIGCONT)
-        deadline = time.monotonic() + PATIENCE_S
-        while terminal.modes() == before and time.monotonic() < deadline:
-            terminal.take()
-        terminal.keys("again\r")
+        while terminal.modes() == before:
+            terminal.read()
+        terminal.program.send("again\r")
         terminal.until("RuntimeError: a fault in the session", "status 1")
         assert terminal.modes() == before
 
@@ -176,5 +164,5 @@ def test_what_cannot_place_text_has_plain_lines(log, end, kind):
     with Terminal(["/bin/sh", "-c", f"{' '.join(PLAYED)} {log} showing{end}"], TERM=kind) as terminal:
         terminal.until("console: trial 3 of 12: showing")
         assert " | " not in terminal.text()
-        terminal.keys("stop\n")
+        terminal.program.send("stop\n")
         terminal.until("the program has ended")

@@ -12,24 +12,10 @@ from hypothesis import strategies as st
 from together import together
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.design import (
-    Ask,
-    Condition,
-    Design,
-    Part,
-    Show,
-    allot,
-    design_from_text,
-    notes,
-    pair_of,
-    rows_for,
-    steps_of,
-    tables_of,
-    trials_of,
-)
+from hmdwarp.study.design import Condition, Design, Part, allot, design_from_text, pair_of, rows_for, tables_of
 from hmdwarp.study.design.definitions import FIXED, RANDOM, WILLIAMS
 from hmdwarp.study.design.orders import RANDOM_ROWS, every_pair, presented, williams
-from hmdwarp.study.design.plan_text import balance, session_phases
+from hmdwarp.study.design.plan_text import balance
 from hmdwarp.study.scales import FIRST, NEITHER, SECOND
 
 from ..plans import text_of
@@ -176,37 +162,6 @@ def test_each_condition_is_first_as_often():
         firsts = Counter(pair_of(name)[0] for name in every_pair([f"c{k}" for k in range(n)]))
         counts = [firsts[f"c{k}"] for k in range(n)]
         assert max(counts) - min(counts) <= (n % 2 == 0)
-
-
-def test_a_trial_shows_both_before_it_asks():
-    design = study(3)
-    order = rows_for(design, "main")[0]
-    steps = steps_of(design, order, "main")
-    assert trials_of(design, "main") == 3
-    first, second, question = steps[:3]
-    assert [type(step) for step in steps[:3]] == [Show, Show, Ask]
-    assert (first.condition.name, second.condition.name) == pair_of(order[0][0])
-    assert (first.turn, first.after, second.turn, second.after) == ("first", "", "second", first.key)
-    assert question.about == second.key
-    sick = [step for step in steps if isinstance(step, Ask) and step.scale.name == "fms"]
-    assert [(question.trial, question.about) for question in sick] == [(2, "trial/2/second")]
-    assert len({step.key for step in steps}) == len(steps)
-    trials = next(phase for phase in session_phases(design, "main") if phase.name == "trials")
-    assert trials.content.startswith("3 pairs")
-    assert trials.seconds == 3 * 2 * 2 + 4 * 6.0  # each shown for 2 s, and 4 answers
-    assert not any("odd number" in note for note in notes(design))
-
-
-def test_a_trial_shows_the_reference_and_then_the_condition():
-    design = design_from_text(text_of("impaired"), "impaired.toml", checked=False)
-    steps = steps_of(design, (("late", "reference", "warped"),), "main")
-    shows = [step for step in steps if isinstance(step, Show)]
-    assert [show.condition.name for show in shows] == ["reference", "late"] + ["reference"] * 3 + ["warped"]
-    assert [show.after for show in shows[1::2]] == [show.key for show in shows[::2]]
-    assert [ask.about for ask in steps if isinstance(ask, Ask)] == [show.key for show in shows[1::2]]
-    trials = next(phase for phase in session_phases(design, "main") if phase.name == "trials")
-    assert trials.content == "3 of the reference and a condition, each 2 s, each rated: dcr"
-    assert trials.seconds == 3 * (2 * 2 + 6)
 
 
 def test_answers_become_tables():

@@ -5,13 +5,12 @@ No answer is chosen beforehand, every one can be in every way, and what is confi
 
 from __future__ import annotations
 
-import math
-import os
 from itertools import pairwise, product
 from pathlib import Path
 
 import attrs
 import numpy as np
+from golden_texts import assert_outcomes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
@@ -31,7 +30,6 @@ from hmdwarp.study.dialogs.dialog_panels import (
     STOP,
     TEXT,
     WIDTH,
-    BreakDialog,
     ConsentDialog,
     LineLayout,
     MenuDialog,
@@ -39,7 +37,6 @@ from hmdwarp.study.dialogs.dialog_panels import (
     QuestionPanel,
     TextDialog,
     layout_of,
-    message_panel,
     width_of,
     wrapped,
 )
@@ -99,13 +96,7 @@ def came_of(line: str) -> str:
 
 def test_what_comes_of_commands_is_what_came():
     """asked.txt; HMDWARP_GOLDEN=write writes it anew: look at the difference."""
-    lines = FILE.read_text(encoding="utf-8").splitlines()
-    asked = [line.partition(" => ")[0] for line in lines]
-    found = [line if line.startswith("#") else f"{line} => {came_of(line)}" for line in asked]
-    if os.environ.get("HMDWARP_GOLDEN") == "write":
-        FILE.write_text("\n".join(found) + "\n", encoding="utf-8")
-        lines = found
-    assert found == lines
+    assert_outcomes(FILE, came_of)
 
 
 def is_last(reading: ConsentDialog) -> bool:
@@ -137,29 +128,6 @@ def test_no_input_but_an_agreement_agrees(sent):
         reading.handle([command])
         assert not (reading.agreed and reading.refused)
         assert was or last_page or not (reading.agreed or reading.refused)
-
-
-def test_a_break_lasts_as_long_as_it_is_to():
-    now = [100.0]
-    resting = BreakDialog(75, lambda: now[0])
-    assert "1:15" in resting.panel().lines[0]
-    resting.handle(said("confirm", "continue"))
-    assert not resting.over
-    panels = set()
-    for now[0] in np.arange(100.0, 175.0, 0.1):
-        panels.add(resting.panel())
-        assert resting.left_s > 0
-    assert len(panels) == 75  # a new one each second, not each refresh
-    now[0] = 175.0
-    assert resting.left_s == 0 and "Enter" in resting.panel().lines[0] and not resting.over  # as long as is wanted
-    resting.handle(said("left", "menu"))
-    assert not resting.over
-    resting.handle(said("confirm"))
-    assert resting.over
-    pause = BreakDialog(0, lambda: 5.0)  # without a time
-    assert not pause.over
-    pause.handle(said("continue"))
-    assert pause.over
 
 
 GRADE = load_scale("grade")
@@ -204,12 +172,6 @@ def test_no_answer_is_preselected_and_an_empty_one_is_not_confirmed(scale):
     assert one.panel().note == one.note
 
 
-@together("number", ["3", True, [3], -math.inf])
-def test_an_answer_that_is_none_is_refused(number):
-    one = asked(("answer", number))
-    assert not one.confirmed and one.value is None and "no answer here" in one.note
-
-
 @given(any_scale, st.data())
 def test_every_value_can_be_stepped_to_typed_and_answered_at_once(scale, data):
     values = scale.values()
@@ -246,15 +208,6 @@ def test_a_mouse_that_is_pushed_does_not_change_what_was_typed_and_a_click_does(
     assert one.value == 4.0
     one.handle(said(("digit", "2"), ("press", there)))
     assert one.confirmed and one.value == 4.0
-
-
-def test_the_panel_tells_no_condition_and_which_item_it_is():
-    ssq = load_scale("ssq")
-    assert asked_of(ssq).panel().heading.endswith("item 1 of 16\nHow much does this affect you right now?")
-    assert asked().panel().heading == "trial 1"
-    again = QuestionDialog(Ask("trial/1/grade", GRADE, GRADE.items[0], "trial", 1), lambda: 0.0, again=True)
-    assert again.panel().heading == "trial 1, once more"
-    assert "Enter" not in str(asked_of(ssq, CONTROLLERS).panel().hints)
 
 
 EVERY = together("scale", SHIPPED)
@@ -348,12 +301,3 @@ def test_wrapped_text_fits_and_loses_nothing(width, text):
     rows = wrapped(text, TEXT, width)
     assert all(width_of(row, TEXT) <= width or len(row) == 1 for row in rows)
     assert "".join("".join(rows).split()) == "".join(text.split())
-
-
-def test_cards_are_drawn():
-    message = message_panel("A title", "some text " * 30, "a hint")
-    for made in (message, message_panel("Trial 3 of 12"), MenuDialog().panel(), ConsentDialog("x").panel()):
-        ink = made.ink()
-        assert ink.shape == (made.height(), WIDTH) and ink.max() == 255
-        assert hash(made) == hash(attrs.evolve(made))
-    assert not message.pointed and MenuDialog().panel().pointed

@@ -20,8 +20,7 @@ from together import together
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.poses import PoseTrack
-from hmdwarp.report import inert_text, raw_text
-from hmdwarp.scenes import INPUTS_HEADER, inputs_beside
+from hmdwarp.report import raw_text
 from hmdwarp.study.design import Show, design_from_text, load_design, steps_of
 from hmdwarp.study.export.write import (
     COLUMNS,
@@ -277,11 +276,6 @@ def test_numbers_and_other_texts_stay_as_they_are(text):
     assert raw_text(text) == text
 
 
-@given(st.text(st.sampled_from("'=+-@ \t\r1a＝"), max_size=6))
-def test_a_text_made_inert_has_one_text_that_it_comes_from(text):
-    assert raw_text(inert_text(text)) == text
-
-
 def test_only_the_name_of_a_file_is_exported(tmp_path):
     (tmp_path / "delays.csv").write_text("delay_ms\n100\n", encoding="utf-8")
     text = text_of("small", ('scene = "planes"', f'scene = "planes"\ndelay_trace = "{tmp_path}/delays.csv"'))
@@ -293,24 +287,3 @@ def test_a_table_has_jod_ratings_only_where_there_are_any():
     plain = [column.name for column in columns_for([{"measured_flip": 0.1}])]
     rated = [column.name for column in columns_for([{"measured_jod": 9.5, "measured_jod_s": 0.5}])]
     assert rated == [*plain, "measured_jod", "measured_jod_s"]
-
-
-DAMAGED = [
-    ("soon,push,ball,0,0,0,0,0,-1", "line 2: 'soon,push,ball,0,0,0,0,0,-1': expected whole nanoseconds, an action"),
-    ("1,push,ball,0,0,zero,0,0,-1", "a target and six numbers"),
-    ("1,push,ball", "3 values: expected 9"),
-    ("\udcff", "it holds bytes that are no text"),
-]
-
-
-def test_a_damaged_file_of_inputs_is_told_in_our_words(store, design, tmp_path):
-    """What was found, what was expected, what to do; the rest is exported."""
-    showing = next(one for one in store.contents().showings if one.complete and one.trace)
-    inputs, options = inputs_beside(store.traces / showing.trace), ExportOptions(parquet=False, force=True)
-    for line, why in DAMAGED:
-        inputs.write_bytes(f"{INPUTS_HEADER}{line}\n".encode(errors="surrogateescape"))
-        notes = export(store.contents(), design, tmp_path / "out", options).notes
-        (left_out,) = [note for note in notes if "input.csv" in note]
-        assert left_out.startswith(f"left out: {showing.trace}: ") and why in left_out
-        assert left_out.endswith("mend that line, or delete the file to do without, and export again with --force")
-        assert not re.search("invalid literal|could not convert|codec|unpack", left_out)

@@ -15,13 +15,11 @@ from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.study import actual_of
 from hmdwarp.study.actual import NOTHING, NUMBERS
-from hmdwarp.study.design import Ask, Condition, Show, Sickness
-from hmdwarp.study.dialogs.dialog_panels import CONTROLLERS, PageDialog, TextDialog
-from hmdwarp.study.line_console import ConsoleState, checked_answer, parse_line
+from hmdwarp.study.design import Condition, Show, Sickness
+from hmdwarp.study.dialogs.dialog_panels import PageDialog
 from hmdwarp.study.scales import load_scale
 from hmdwarp.study.session import program, runner
 from hmdwarp.study.session.runner import counting, why_sick
-from hmdwarp.study.session.session_options import SessionOptions
 from hmdwarp.study.session.step_handlers import HeadRange
 from hmdwarp.study.store import Answer
 
@@ -92,17 +90,6 @@ def test_missing_figures_are_none_and_never_nan():
     assert actual == NOTHING
     assert all(actual[name] is None for name in NUMBERS)
     assert not any(isinstance(value, float) and math.isnan(value) for value in actual_of(summary(), columns()).values())
-
-
-def test_the_options_of_a_session_say_whose_it_is_and_how_it_is_resumed():
-    said = {"study": "my study.toml", "participant": "new"}
-    assert SessionOptions(**said, pilot=True, simulate="quick").origin == "pilot"
-    assert SessionOptions(**said, simulate="quick").origin == "simulated"
-    assert SessionOptions(**said).origin == "person"
-    options = SessionOptions(**said, store="data here", new_session=True, lsl=True)
-    command = "hmdwarp study run 'my study.toml' --participant P7 --resume --lsl --store 'data here'"
-    assert options.command("P7", "main", several=False) == command
-    assert "--part main" in options.command("P7", "main", several=True)
 
 
 def test_the_watchdog_s_last_words_tell_the_recording_and_how_to_go_on(monkeypatch, gpu, path):
@@ -220,15 +207,3 @@ def test_a_picture_keeps_its_colours_on_the_display(gpu, tmp_path):
         x, y = round(500 + (across - 0.5) * ink.shape[1]), 500
         # The ground's own light adds 0.008 where a picture is dark: 6 steps at 40.
         assert np.abs(shown[y, x].astype(int) - wanted).max() <= 8, (shown[y, x], wanted)
-
-
-def test_in_a_headset_the_words_are_said():
-    scale = load_scale("comments")
-    asked = TextDialog(Ask("after/comments/comments", scale, scale.items[0], "after"), CONTROLLERS)
-    assert not asked.panel().takes_text and "Say it aloud" in " ".join(asked.panel().lines)
-    question = asked.question()
-    assert question.in_words and checked_answer(" too dark ", question) == "too dark"
-    state = ConsoleState(phase="asking", question=question)
-    assert parse_line("answer 7 of them", state) == ("answer", "7 of them")
-    with pytest.raises(ValueError, match="in words"):
-        parse_line("answer", state)

@@ -1,22 +1,18 @@
 """Sessions by script: what people see, what the store holds and what is said, as it was before.
 
-A script of scripts.toml says who does what and when; transcripts/NAME.txt is what came of it. After
-an intended change look at the difference that
-
-    HMDWARP_GOLDEN=write python -m pytest tests/study/session/test_transcripts.py
-
-makes of them.
+A script of scripts.toml says who does what and when; transcripts/NAME.txt is what came of it:
+HMDWARP_GOLDEN=write writes it anew.
 """
 
 from __future__ import annotations
 
 import itertools
-import os
 import re
 import tomllib
 from pathlib import Path
 
 import pytest
+from golden_texts import assert_text
 
 from hmdwarp.display import Command, Lost
 from hmdwarp.study.store import Store
@@ -26,7 +22,6 @@ from .sessions import Person, ScriptedConsole, closing, picture, press, run
 
 FOLDER = Path(__file__).with_name("transcripts")
 SCRIPTS = tomllib.loads(FOLDER.joinpath("scripts.toml").read_text(encoding="utf-8"))
-WRITING = os.environ.get("HMDWARP_GOLDEN") == "write"
 NEVER, TOO_LONG = 10**6, 2000  # refreshes
 
 
@@ -194,7 +189,4 @@ def test_a_scripted_session_comes_out_as_it_did(monkeypatch, gpu, tmp_path, name
         lines += ["panels", *seen(ran), "console", *told(ran), "store", *(held if held != before else ["  as before"])]
         before = held
     text = "\n".join(lines).replace(str(tmp_path), "") + "\n"
-    expected = FOLDER / f"{name}.txt"
-    if WRITING:
-        expected.write_text(text, encoding="utf-8")
-    assert text.splitlines() == expected.read_text(encoding="utf-8").splitlines()
+    assert_text(text, FOLDER / f"{name}.txt")

@@ -150,8 +150,8 @@ class StoreByModel(RuleBasedStateMachine):
             would = self.store.would_resume(code)
             session = self.store.resume(code)
             assert would.id == session.id
-        except InputError:
-            assert len(parts) != 1
+        except InputError as error:
+            assert len(parts) != 1 and ("several parts" in str(error)) == (len(parts) > 1)
             return None
         assert self.told[session.id].code == code and self.told[session.id].status == INTERRUPTED
         self.told[session.id].status = "running"

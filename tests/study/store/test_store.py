@@ -133,6 +133,11 @@ def test_the_plan_alone_decides_the_orders_and_names_are_drawn(tmp_path):
     assert len(set(subs)) == 10 and all(re.fullmatch("[a-z0-9]{12}", sub) for sub in subs)
 
 
+def test_an_interrupted_session_keeps_its_order(store):
+    sessions = [store.end(begun(store, code), INTERRUPTED) for code in ("P1", "P2", "P3", "P4")]
+    assert sorted(session.row for session in sessions) == [0, 1, 2, 3]
+
+
 # --- measuring, reading
 
 
@@ -262,16 +267,6 @@ def test_a_known_code_is_refused_with_what_can_be_done(tmp_path):
         assert (interrupted[0], resume) == ("interrupted", ("resume", {"hmdwarp": "next"}))
         consent = hashlib.sha256(b"You may stop at any time.").hexdigest()
         assert (begin[1]["consent_version"], begin[1]["consent_sha256"]) == ("1", consent)
-
-
-def test_of_several_interrupted_parts_one_is_named_and_of_one_none(store):
-    store.end(begun(store, "P01", "one"), "interrupted")
-    store.end(begun(store, "P01", "two", new_session=True), "interrupted")
-    with pytest.raises(InputError, match="several parts.*--part"):
-        store.resume("P01")
-    assert store.resume("P01", "two").number == 2
-    single = design(TEXT[: TEXT.index("[[part]]", TEXT.index('name = "one"'))])
-    assert store.begin(single, None, "P02", "person").part == "one"
 
 
 CHANGES = [

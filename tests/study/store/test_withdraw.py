@@ -10,11 +10,10 @@ import struct
 import sys
 
 import pytest
-from commands import hmdwarp
 
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
 from hmdwarp.scenes import inputs_beside
-from hmdwarp.study.store import COMPLETE, Store
+from hmdwarp.study.store import COMPLETE, COPY, Store
 
 from .sessions import TEXT, asks, begun, child, go_through, whole
 
@@ -67,6 +66,8 @@ def test_the_bytes_hold_nothing_of_who_withdrew_and_all_of_the_others(tmp_path):
         (store.traces / f"{subs[2]}_link").symlink_to(tmp_path / "elsewhere")
         size = acted.stat().st_size
         (tmp_path / "second").hardlink_to(acted)
+        (tmp_path / "third").hardlink_to(tmp_path / "data" / COPY)
+        (tmp_path / "data" / f".{COPY}.part").write_bytes(subs[2].encode())  # of a program that died
         data = everything(tmp_path / "data")
         assert all(mark in data for each in marks.values() for mark in each), "the test looks for what is there"
         erased = store.withdraw("P2")
@@ -78,6 +79,7 @@ def test_the_bytes_hold_nothing_of_who_withdrew_and_all_of_the_others(tmp_path):
         assert not [mark for number in (0, 1, 3, 4) for mark in marks[number] if mark not in data]
     assert (tmp_path / "elsewhere").read_text() == "mine", "a link is not followed"
     assert (tmp_path / "second").read_bytes() == bytes(size), "traces are overwritten before they go"
+    assert not any((tmp_path / "third").read_bytes()), "and so is the store's copy"
     with Store(tmp_path / "data") as store:
         after = store.contents()
         gone = next(session.id for session in before.sessions if session.code == "P2")
@@ -202,11 +204,3 @@ def test_it_asks_on_a_terminal(study, answer, left, told):
     screen.close()
     with Store(study.with_name("late-data")) as store:
         assert screen.exitstatus == 0 and [session.code for session in store.contents().sessions] == left
-
-
-def test_not_while_a_session_runs(study):
-    with Store(study.with_name("late-data")) as store:
-        begun(store, "P03")
-        done = hmdwarp("study", "withdraw", study, "P01", "--yes")
-        assert done.returncode == 3 and "running already" in done.stderr and done.stderr.count("\n") == 1
-        assert len(store.contents().sessions) == 3
