@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 import hmdwarp
-from hmdwarp.options import PaperOptions
+from hmdwarp.base import PaperOptions
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out/read_bench")
 

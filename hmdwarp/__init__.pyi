@@ -1,9 +1,10 @@
 from . import check as check
 from . import metrics as metrics
 from . import study as study
-from .errors import HmdwarpError as HmdwarpError
-from .errors import InputError as InputError
-from .errors import MachineError as MachineError
+from .base import HmdwarpError as HmdwarpError
+from .base import InputError as InputError
+from .base import MachineError as MachineError
+from .base import __version__ as __version__
 from .experiments import bench as bench
 from .experiments.bench import compare as compare
 from .geometry import DepthLayer as DepthLayer
@@ -17,7 +18,6 @@ from .image.warper import Warper as Warper
 from .image.warper import warp_image as warp_image
 from .poses import PoseTrack as PoseTrack
 from .poses import load_trace as load_trace
-from .resources import __version__ as __version__
 from .run import RunOptions as RunOptions
 from .run import choose as choose
 from .run import replay as replay

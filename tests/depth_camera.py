@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.base import srgb8_from_linear
 from hmdwarp.geometry import Fov, Pose, View, metres_from_inverse_depth
 from hmdwarp.gpu import download
 from hmdwarp.sources.server import Server

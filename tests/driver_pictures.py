@@ -19,8 +19,8 @@ from holed import Holed
 from numpy.typing import NDArray
 from worlds import World, every_choice, read
 
+from hmdwarp.base import MachineError
 from hmdwarp.client import Compensator, build_plan, every_fill, parse_warp
-from hmdwarp.errors import MachineError
 from hmdwarp.geometry import View
 from hmdwarp.gpu import Gpu
 

@@ -259,7 +259,7 @@ def _traces(add: Add) -> None:
     from recorded_folders import taken, write_colmap
     from ros_bags import BEGINS_NS
 
-    from hmdwarp import resources
+    from hmdwarp.base import resources
     from hmdwarp.poses.formats import formats
 
     def reads(name: str = "trace*", stated: dict[str, Any] | None = None) -> Callable[[Path, Rng], None]:
@@ -477,7 +477,7 @@ def in_child(work: Callable[[], int], told: Path) -> Outcome:
 
 def read(target: Target, folder: Path, seed: str | None) -> int:
     """Return READ or REFUSED; anything else is raised. seed: of the options, None for none."""
-    from hmdwarp.errors import InputError
+    from hmdwarp.base import InputError
 
     warnings.simplefilter("ignore")
     try:

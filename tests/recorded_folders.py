@@ -250,7 +250,7 @@ def write_exrs(folder: Path, frames: list[Taken]) -> None:
     """Write EXR files with their own Z, and a JSON beside each."""
     import OpenEXR
 
-    from hmdwarp.colour import linear_from_srgb
+    from hmdwarp.base import linear_from_srgb
 
     for i, one in enumerate(frames):
         light = linear_from_srgb(one.colour)

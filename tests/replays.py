@@ -13,6 +13,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from hmdwarp.base import recording_names
 from hmdwarp.client import parse_indirect, parse_warp
 from hmdwarp.client.effects import effects
 from hmdwarp.client.strategies import options_of_strategy
@@ -21,7 +22,6 @@ from hmdwarp.gpu import Gpu, download
 from hmdwarp.pipeline import Refresh
 from hmdwarp.pipeline.options import DEFAULT_WARP
 from hmdwarp.poses import LoadedTrace, TraceOptions, load_trace
-from hmdwarp.resources import recording_names
 from hmdwarp.run import ReplayResult, ReplayRun, RunOptions, replay, set_up_replay
 from hmdwarp.scenes import load_scene
 

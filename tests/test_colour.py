@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.colour import linear_from_srgb, picture_from_linear, srgb8_from_linear, srgb_from_linear
+from hmdwarp.base import linear_from_srgb, picture_from_linear, srgb8_from_linear, srgb_from_linear
 
 unit = st.floats(0, 1)
 

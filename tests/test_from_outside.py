@@ -17,9 +17,8 @@ import attrs
 import numpy as np
 import pytest
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import Declared, InputError, Number, option
 from hmdwarp.experiments.thesis.experiment import Experiment
-from hmdwarp.options import Declared, Number, option
 from hmdwarp.study.scales import load_scale
 
 ROOT = Path(__file__).resolve().parents[1]

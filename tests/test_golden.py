@@ -11,7 +11,7 @@ from golden_pictures import assert_golden, names_in
 from numpy.typing import NDArray
 from replays import each_refresh, small
 
-from hmdwarp.colour import picture_from_linear
+from hmdwarp.base import picture_from_linear
 from hmdwarp.gpu import download
 from hmdwarp.pipeline import Refresh
 from hmdwarp.run import ReplayRun

@@ -21,13 +21,12 @@ from recorded_folders import HAS_EXR, LAYOUTS, Form, taken
 from ros_bags import BEGINS_NS, FORMS, HAS_ROSBAGS, Messages, form_of, write_bag
 from scenes.glb import Glb
 
+from hmdwarp.base import InputError, opened, text_in
+from hmdwarp.base.named_files import TABLE, allow_outside
 from hmdwarp.client.classes import load_client
-from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import MergeOptions, merge
 from hmdwarp.headsets import load_headset
 from hmdwarp.link.delays import read_delays
-from hmdwarp.options import opened, text_in
-from hmdwarp.options.named_files import TABLE, allow_outside
 from hmdwarp.pipeline.levels import read_rows
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.reading import pose_messages as bags

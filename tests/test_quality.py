@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from replays import run, seen, small, suited
 
+from hmdwarp.base import srgb_from_linear
 from hmdwarp.client.warps import warps
-from hmdwarp.colour import srgb_from_linear
 from hmdwarp.metrics import PSNR_CAP_DB
 
 WALK = {"trace": "walk", "start_s": 3.0, "seconds": 1.5, "metrics_every": 9}

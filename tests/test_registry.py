@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 import hmdwarp
-from hmdwarp.errors import InputError, UnknownNameError, unknown_name
-from hmdwarp.registry import Registry, _entry_points
+from hmdwarp.base import InputError, Registry, UnknownNameError, _entry_points, unknown_name
 
 
 def registries() -> dict[str, Registry]:

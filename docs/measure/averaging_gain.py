@@ -15,7 +15,7 @@ from apparatus import options, print_table
 from scipy import ndimage
 
 import hmdwarp
-from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.base import srgb8_from_linear
 from hmdwarp.geometry import Fov, View
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.poses import load_trace

@@ -13,7 +13,7 @@ import numpy as np
 from apparatus import options, print_table
 
 from hmdwarp import Fov, View
-from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.base import srgb8_from_linear
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.link.codec import ColourDecoder, ColourEncoder, codecs
 from hmdwarp.poses import load_trace

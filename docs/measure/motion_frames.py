@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.base import srgb8_from_linear
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Gpu
 from hmdwarp.scenes import Scene, load_scene

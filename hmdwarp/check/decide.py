@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from ..errors import listed
+from ..base import listed
 from . import conventions
 from .conventions import CONVENTIONS, Answer, Finding, differences, restored, value
 from .search import (

@@ -19,10 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from ..colour import linear_from_srgb, srgb8_from_linear
-from ..errors import InputError, listed
+from ..base import InputError, linear_from_srgb, listed, srgb8_from_linear
+from ..base.named_files import PICTURE_FILE, named_in, opened
 from ..geometry import DepthLayer, Fov, Pose, View
-from ..options.named_files import PICTURE_FILE, named_in, opened
 from ..sources.sequences import read_colour, read_depth
 from ..sources.sequences.frame_files import number_of, numbers_of, read_json
 from ..sources.sequences.picture_files import EXR, NPY, read_exr

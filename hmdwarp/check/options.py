@@ -6,8 +6,7 @@ from pathlib import Path
 
 import attrs
 
-from ..errors import InputError
-from ..options import Declared, force_field, group, option, out_field
+from ..base import Declared, InputError, force_field, group, option, out_field
 from ..sources.sequences.options import SequenceOptions
 
 

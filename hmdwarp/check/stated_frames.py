@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..base import InputError
 from ..geometry import View
 from ..poses.assumptions import Assumption
 from ..poses.reading.axes import parse_axes

@@ -22,7 +22,7 @@ NOTHING_LEFT = "nothing unfinished was left behind"
 
 def main() -> None:
     """Run the command line and leave with its exit status; an error of ours is a line on stderr."""
-    from ..errors import HmdwarpError, RequirementError
+    from ..base import HmdwarpError, RequirementError
 
     end_cleanly()
     with suppress(AttributeError):  # closed (None), or a caller's own stream

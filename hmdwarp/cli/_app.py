@@ -11,8 +11,7 @@ from typing import Annotated, Any, ClassVar
 
 import typer
 
-from ..options import Option
-from ..resources import __version__, commit
+from ..base import Option, __version__, commit
 from ._options import Command, Group
 
 HELP = "Latency compensation for head-mounted displays: warps late RGB-D frames to the newest head pose."

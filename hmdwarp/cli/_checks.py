@@ -26,10 +26,9 @@ from typing import Any
 
 import attrs
 
+from ..base import HmdwarpError, __version__, install_line
 from ..display.openxr.diagnosis import A_BINDING, INSTALL, RESTART, load_binding
-from ..errors import HmdwarpError
 from ..gpu import HOW_TO_GET_GL, WANTED, Gpu, egl
-from ..resources import __version__, install_line
 
 _PROBE_SECONDS = 30.0  # a cold runtime may start its whole compositor before it answers
 # Missing: replay cannot run without it. Optional: absent, and only some commands need it.

@@ -16,9 +16,8 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from ..errors import InputError
-from ..options import Declared, Option, options_of, path_of
-from ..options.named_files import OUTSIDE, allow_outside
+from ..base import Declared, InputError, Option, options_of, path_of
+from ..base.named_files import OUTSIDE, allow_outside
 
 HELP_ALL = "--help-all"
 _MANY = 40  # options

@@ -14,9 +14,7 @@ from typing import Any
 import attrs
 import typer
 
-from ..errors import InputError, unknown_name
-from ..options import Declared, Option, option
-from ..registry import Registry, Row, describe
+from ..base import Declared, InputError, Option, Registry, Row, describe, option, unknown_name
 from ._options import JSON, Said, as_json, takes
 
 

@@ -8,8 +8,7 @@ from pathlib import Path
 import typer
 
 from .. import display, headsets, report
-from ..errors import InputError
-from ..options import FORCE, Option
+from ..base import FORCE, InputError, Option
 from ._options import Group, Said, takes
 
 app = typer.Typer(cls=Group, help="Show a headset as a picture, or write one from an export.", no_args_is_help=True)

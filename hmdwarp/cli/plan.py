@@ -8,8 +8,7 @@ import attrs
 import typer
 
 from .. import client, headsets, pipeline, scenes
-from ..errors import InputError, counted
-from ..options import AUTO
+from ..base import AUTO, InputError, counted
 from ..pipeline.options import PROXY, PipelineOptions
 from ._options import JSON, Said, as_json, takes
 from ._show import in_columns, paragraph

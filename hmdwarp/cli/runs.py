@@ -11,8 +11,7 @@ import attrs
 import typer
 
 from .. import report, run
-from ..errors import InputError, RequirementError
-from ..options import AUTO, Declared, force_field, option, out_field
+from ..base import AUTO, Declared, InputError, RequirementError, force_field, option, out_field
 from ..run.options import OFFSCREEN, LiveOptions, ProxyRunOptions, RecordOptions, RunOptions, ServeOptions
 from ..run.requirements import Gate, Tolerance, tolerance_field
 from ._options import JSON, QUIET, Said, as_json, command_line, print_results, takes

@@ -11,8 +11,7 @@ from typing import Any
 import attrs
 import typer
 
-from ..errors import InputError
-from ..options import Declared, Number, PaperOptions, force_field, group, option, out_field, same_as
+from ..base import Declared, InputError, Number, PaperOptions, force_field, group, option, out_field, same_as
 from ..study import MeasureOptions, store
 from ..study import design as designs
 from ..study.session.session_options import SessionOptions

@@ -11,8 +11,7 @@ import attrs
 import typer
 
 from .. import poses, report
-from ..errors import InputError, counted, unknown_name
-from ..options import FORCE, Declared, Option, force_field, option, out_field
+from ..base import FORCE, Declared, InputError, Option, counted, force_field, option, out_field, unknown_name
 from ..poses.options import MOTIONS, TraceOptions
 from ._options import JSON, Group, Said, as_json, takes
 

@@ -9,7 +9,7 @@ import attrs
 import typer
 
 from .. import geometry, report
-from ..options import Declared, force_field, names_in, option, out_field, same_as
+from ..base import Declared, force_field, names_in, option, out_field, same_as
 from ..pipeline.options import SINGLE_FILL, PipelineOptions
 from ..sources import sequences
 from ..sources.sequences.options import FAR, SequenceOptions, repair_field

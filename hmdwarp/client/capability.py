@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..errors import PlanError, listed
+from ..base import Choice, PlanError, listed
 from ..frames.layers import layers
-from ..options import Choice
 from .classes import Client
 from .plan import CLIENT_DEPTH, CLIENT_MODEL, CLIENT_SOFT_BODIES, Plan
 

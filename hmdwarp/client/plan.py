@@ -11,11 +11,10 @@ from operator import or_
 
 import attrs
 
-from ..errors import InputError, PlanError
+from ..base import Choice, InputError, PlanError
 from ..frames import Needs
 from ..frames.layers import PICTURE, layers, readable, readable_names
 from ..geometry import Fovea
-from ..options import Choice
 from ..scenes import CONVERGED
 from .effects import EXPANDED, Effect, EffectPass, ExpandPass, RenderedPass, ShownPass, effects
 from .fills import Fill, fills

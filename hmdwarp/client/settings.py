@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import attrs
 
-from ..registry import Registry
+from ..base import Registry
 
 T = TypeVar("T")
 E = TypeVar("E")

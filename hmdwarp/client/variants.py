@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-from ..errors import InputError
+from ..base import Choice, InputError, Registry, parse_choice
 from ..frames import Needs
-from ..options import Choice, parse_choice
-from ..registry import Registry
 from ..scenes import CONVERGED, IndirectLight, lights
 from .fills import Fill, fills
 from .warps import Warp, warps

@@ -14,12 +14,11 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base import InputError, PlanError, linear_from_srgb, srgb8_from_linear
 from ..client import ClientScene, PassInputs, Store, receiver_of
 from ..client.strategies import Strategy, strategies
 from ..client.warp_kinds import check_room
 from ..client.warps import KEY_BYTES, Warp, warps
-from ..colour import linear_from_srgb, srgb8_from_linear
-from ..errors import InputError, PlanError
 from ..frames import Needs
 from ..frames.layers import MOST_BUDGET, Book, Delivered, Update, between, layers
 from ..geometry import View

@@ -22,8 +22,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..colour import linear_from_srgb
-from ..errors import SceneError
+from ..base import SceneError, linear_from_srgb
 from ..scenes import (
     ATLAS,
     LEAST_AREA,

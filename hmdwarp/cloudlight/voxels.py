@@ -16,8 +16,8 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base import InputError
 from ..client.strategies import Strategy, strategies
-from ..errors import InputError
 from ..frames import EyeImage
 from ..frames.layers import Layer, between, layers
 from ..geometry import View

@@ -10,11 +10,10 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import MachineError
+from ..base import MachineError, option_of
 from ..geometry import Eyes
 from ..gpu import Gpu
 from ..headsets import Headset
-from ..options import option_of
 from ..pipeline import PipelineOptions, Refresh
 from ..poses import PoseSource, PoseTrack
 from .controls import CONTROLS, Command, Control, Status

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import moderngl
 
-from ..errors import InputError
+from ..base import InputError
 from ..gpu import Gpu
 from ..headsets import load_headset
 from ..pipeline import Refresh

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
+from ..base import InputError
 from .pose import floats, real
 
 HALF_STEP = 0.5 / (2**16 - 1)  # of a 16-bit buffer, the coarsest in use

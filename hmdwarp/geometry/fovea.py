@@ -13,7 +13,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..base import InputError
 from .view import Fov, Size, View
 
 MOST_RIM = 16

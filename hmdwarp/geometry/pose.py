@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import NO_NUMBERS, InputError, in_brief
+from ..base import NO_NUMBERS, InputError, in_brief
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation  # 0.3 s, which a command that turns nothing need not wait for

@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import NO_NUMBERS, InputError, in_brief
+from ..base import NO_NUMBERS, InputError, in_brief
 from .pose import Pose, floats, frozen, real
 
 Size = tuple[int, int]

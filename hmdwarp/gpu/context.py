@@ -14,7 +14,7 @@ from functools import cache, partial
 import attrs
 import moderngl
 
-from ..errors import InputError, MachineError
+from ..base import InputError, MachineError
 from . import egl
 from .egl import gl_function, reset_status_of
 from .shaders import ShaderLibrary

@@ -17,7 +17,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, MachineError
+from ..base import InputError, MachineError
 from .textures import drawing_into
 
 _FRAMEBUFFER, _DEPTH_ATTACHMENT, _TEXTURE_2D, _COMPLETE = 0x8D40, 0x8D00, 0x0DE1, 0x8CD5

@@ -17,8 +17,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, ShaderError
-from ..resources import folder
+from ..base import InputError, ShaderError, folder
 from .hidden import WHOLE, Grid, HiddenAreas
 
 VERSION = "#version 430"

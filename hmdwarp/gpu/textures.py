@@ -13,7 +13,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..base import InputError
 
 T = TypeVar("T")
 Images = Mapping[str, Any] | None  # textures or canvases by the uniform that names their unit

@@ -11,11 +11,10 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, in_brief, unknown_name
+from ..base import InputError, Table, in_brief, parsed, text_of, unknown_name
+from ..base.documents import DocumentError, parse_json
+from ..base.named_files import FACTS, text_in
 from ..geometry import Eyes, Fov, Hidden, Polygon, Pose
-from ..options import Table, parsed, text_of
-from ..options.documents import DocumentError, parse_json
-from ..options.named_files import FACTS, text_in
 from ._model import COLOURS, IPD_RANGE_M, MODELS, Array, Headset, HeadsetEye, Lens, ViveLens
 
 REPORTED = "the views as the runtime reported them; no lens, because the runtime corrects it"

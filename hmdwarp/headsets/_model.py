@@ -12,9 +12,8 @@ import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..base import InputError, Table
 from ..geometry import Fov, Hidden, Polygon, Pose, View
-from ..options import Table
 
 MAX_COEFFICIENTS = 9
 COLOURS = ("red", "green", "blue")

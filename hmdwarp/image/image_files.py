@@ -8,11 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..colour import srgb8_from_linear
-from ..errors import InputError, listed
+from ..base import InputError, import_extra, listed, srgb8_from_linear
 from ..geometry import View
 from ..report import atomic, jpeg_bytes, png_bytes, write_bytes
-from ..resources import import_extra
 from ..sources.sequences.picture_files import write_exr
 from .warper import WarpedImage
 

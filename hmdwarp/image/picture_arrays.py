@@ -12,8 +12,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..colour import linear_from_srgb, srgb_from_linear
-from ..errors import NO_NUMBERS, InputError, in_brief
+from ..base import NO_NUMBERS, InputError, in_brief, linear_from_srgb, srgb_from_linear
 from ..geometry import View, inverse_depth_from_metres, metres_from_inverse_depth
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, Arrays
 from ..sources.repairs import RepairChain

@@ -9,8 +9,8 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base import InputError
 from ..client.effects.text import HeldPanel, panel_texture
-from ..errors import InputError
 from ..frames import Needs
 from ..frames.layers import layers
 from ..gpu import Gpu

@@ -8,15 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from ..base import AUTO, InputError, PlanError, in_brief
 from ..client import Compensator, PassInputs
 from ..client.effects import effects as every_effect
 from ..client.fills import fills
 from ..client.plan import OTHERS, SHOWN, SHOWN_DEPTH, Plan, build_plan
 from ..client.warps import warps
-from ..errors import InputError, PlanError, in_brief
 from ..frames.layers import PICTURE, readable
 from ..gpu import Gpu
-from ..options import AUTO
 from ..pipeline.levels import QualityLevel, best_within, front
 from .picture_textures import KNOWN
 

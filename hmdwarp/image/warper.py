@@ -19,15 +19,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import report
+from ..base import AUTO, InputError, in_brief, srgb8_from_linear
 from ..client import Compensator, PassInputs
 from ..client.plan import OTHERS, Plan, needs_of
-from ..colour import srgb8_from_linear
-from ..errors import InputError, in_brief
 from ..frames import EyeImage
 from ..geometry import View
 from ..gpu.context import Gpu, check_not_forked
 from ..gpu.textures import COLOUR, SCALAR, Canvas, Owner, check_size
-from ..options import AUTO
 from ..pipeline.levels import check_budget
 from ..pipeline.options import DEFAULT_WARP, SINGLE_FILL
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, GiveOut, PixelBuffers, TakeIn

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 import attrs
 
-from ..errors import InputError
-from ..options.named_files import DELAYS, text_in
-from ..registry import Registry
+from ..base import InputError, Registry
+from ..base.named_files import DELAYS, text_in
 
 if TYPE_CHECKING:
     import numpy as np  # help does not wait for it

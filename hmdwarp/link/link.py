@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Generic, Self, TypeVar
 
 import attrs
 
-from ..errors import InputError
+from ..base import InputError
 
 if TYPE_CHECKING:
     import numpy as np

@@ -9,8 +9,7 @@ from typing import Any
 
 import attrs
 
-from ..errors import InputError
-from ..options import Declared, Number, Option, one_of, option
+from ..base import Declared, InputError, Number, Option, one_of, option
 from .delays import ConstantDelay, DelayModel, delay_models
 from .link import QUEUE_MS, Bandwidth, GilbertElliott, Link
 

@@ -25,8 +25,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from ..errors import MachineError
-from ..resources import import_extra, missing_extra
+from ..base import MachineError, import_extra, missing_extra
 from .metric import Figure
 from .picture_pairs import Compared
 

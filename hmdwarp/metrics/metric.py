@@ -12,10 +12,9 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import HmdwarpError, InputError
+from ..base import HmdwarpError, InputError, Registry
 from ..geometry import View, WarpMap
 from ..gpu import flip_rows
-from ..registry import Registry
 from .picture_pairs import Alike, Compared, db_of
 
 

@@ -16,8 +16,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..colour import linear_from_srgb
-from ..errors import NO_NUMBERS, InputError
+from ..base import NO_NUMBERS, InputError, linear_from_srgb
 from ..geometry import View, WarpMap
 from ..gpu import SCALAR, Compute, Gpu, allocate, flip_map
 from ..gpu.textures import release_all

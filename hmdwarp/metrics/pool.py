@@ -11,8 +11,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import HmdwarpError
-from ..platforms import lower_priority
+from ..base import HmdwarpError, lower_priority
 from .metric import PRIMARY, QualityJob, QualityResult, measure
 
 _NICENESS = 5  # measuring must not slow down the loop whose passes are being timed

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import HmdwarpError
+from ..base import HmdwarpError
 from .metric import PRIMARY, metrics, metrics_in_order
 
 LEAST_INSTANTS = 6  # make three blocks of two; fewer have no interval

@@ -8,6 +8,7 @@ from .loop import Loop as Loop
 from .loop import Refresh as Refresh
 from .options import PipelineOptions as PipelineOptions
 from .options import SceneKey as SceneKey
+from .options import guard_band as guard_band
 from .proxy import source_of as source_of
 from .sizes import build_plan_for as build_plan_for
 from .sizes import eye_sizes as eye_sizes

@@ -18,8 +18,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base import picture_from_linear
 from ..client import Plan, needs_of
-from ..colour import picture_from_linear
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import BRIGHT_VIDEO, DEPTH, VECTORS, VIDEO, Layer, layers
 from ..geometry import Fov, View, WarpMap

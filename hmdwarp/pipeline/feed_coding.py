@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, MachineError
+from ..base import InputError, MachineError
 from ..frames import EyeImage, EyeSizes, Frame, Needs
 from ..frames.layers import BYTES, OWN, PICTURE, Layer, layers
 from ..frames.layers.pictures import FOVEATED

@@ -13,9 +13,9 @@ from statistics import median
 
 import attrs
 
+from ..base import HmdwarpError
 from ..client import Compensator, EyeResult, PassInputs, Plan, Stages
 from ..client.carry import PictureOf
-from ..errors import HmdwarpError
 from ..gpu import Canvas
 from .levels import QualityLevel, best_within
 

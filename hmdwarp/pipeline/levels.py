@@ -12,9 +12,9 @@ from typing import Any
 import attrs
 
 from .. import report
-from ..errors import NO_NUMBERS, InputError, in_brief
-from ..options.documents import json_in
-from ..options.named_files import RESULTS
+from ..base import NO_NUMBERS, InputError, in_brief
+from ..base.documents import json_in
+from ..base.named_files import RESULTS
 
 # The keys that two rows must share for their figures to be comparable.
 _CASE = (

@@ -11,29 +11,29 @@ from typing import Any, ClassVar, Self
 import attrs
 
 from .. import client, geometry, headsets, poses
-from ..client.classes import PICTURE_CLIENT, load_client
-from ..client.strategies import options_of_strategy, with_strategy
-from ..errors import InputError, in_brief
-from ..link import CHANGES, SUM, Bandwidth, LinkOptions
-from ..link.codec import Coding
-from ..options import (
+from ..base import (
     AUTO,
     DEFAULT_GUARD,
     DISPLAY,
     PICTURE,
     Declared,
     Guard,
+    InputError,
     Number,
     as_path,
     group,
-    guard_band,
     guard_field,
+    in_brief,
     names_in,
     one_of,
     option,
     options_of,
     parse_size,
 )
+from ..client.classes import PICTURE_CLIENT, load_client
+from ..client.strategies import options_of_strategy, with_strategy
+from ..link import CHANGES, SUM, Bandwidth, LinkOptions
+from ..link.codec import Coding
 from ..poses.options import DEFAULT_PREDICTOR, PREDICTORS
 from ..scenes.options import EXTRAPOLATED, FORESEEN, HELD, SceneOptions
 from ..sources.sequences.options import SequenceOptions, repair_field
@@ -41,6 +41,13 @@ from .levels import QualityLevel
 
 # frames.layers.PICTURE, which loads NumPy: this file is read for every --help.
 _PICTURE = ("rendered.colour", "rendered.inverse_depth")
+
+
+def guard_band(guard: Guard | str) -> geometry.GuardBand:
+    """Return the guard band of the option. Errors: InputError while it is "auto"."""
+    if isinstance(guard, str):
+        raise InputError("--guard auto looks at a whole trace first: give a number, or replay a recording")
+    return geometry.GuardBand.of(guard)
 
 
 @attrs.frozen

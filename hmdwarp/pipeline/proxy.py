@@ -11,17 +11,16 @@ import attrs
 import moderngl
 import numpy as np
 
+from ..base import AUTO, InputError, unknown_name
 from ..client import ClientScene, Compensator, Plan, parse_fills, parse_indirect, parse_warp
 from ..client.effects import effects
 from ..client.lens import lenses
-from ..errors import InputError, unknown_name
 from ..frames import EyeImage, Frame
 from ..geometry import Eyes, Guard, Pose, View, guarded_eyes
 from ..gpu.textures import SCALAR, Canvas, allocate, release_all, upload
 from ..gpu.timers import Laps
 from ..link.codec import codecs
 from ..metrics import middle_and_tail
-from ..options import AUTO
 from ..poses import PoseSample
 from ..sources.feed.options import FeedOptions
 from ..sources.server import Renderer

@@ -11,7 +11,7 @@ from typing import Any, Self
 import attrs
 import numpy as np
 
-from ..errors import InputError
+from ..base import InputError
 from ..frames import EyeImage, Frame, Needs
 from ..geometry import Fov, Guard, GuardBand, Pose, View, guarded_eyes, inverse_depth_from_metres
 from ..gpu import Gpu

@@ -17,8 +17,8 @@ from typing import Any
 import attrs
 import numpy as np
 
+from ..base import HmdwarpError, InputError, MachineError, counted
 from ..client import Plan
-from ..errors import HmdwarpError, InputError, MachineError, counted
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import PICTURE, layers
 from ..frames.layers.pictures import FoveatedPicture

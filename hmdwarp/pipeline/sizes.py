@@ -8,18 +8,16 @@ from typing import Any
 
 import attrs
 
+from ..base import AUTO, Choice, InputError, MachineError, PlanError, memory_bytes
 from ..client import Plan, build_plan, needs_of, parse_indirect
 from ..client.capability import check_client
 from ..client.classes import load_client
 from ..client.effects import effects
 from ..client.warps import Warp
-from ..errors import InputError, MachineError, PlanError
 from ..frames import EyeSizes, Needs, frame_bytes
 from ..geometry import Eyes, Guard, GuardBand, Pose, guarded_eyes, wide_size
 from ..gpu import Gpu, check_size
 from ..headsets import Headset
-from ..options import AUTO, Choice
-from ..platforms import memory_bytes
 from ..scenes import CONVERGED, Scene
 from .options import PROXY, RECORDING, PipelineOptions
 

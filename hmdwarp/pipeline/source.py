@@ -17,8 +17,8 @@ import attrs
 import numpy as np
 
 from .. import scenes
+from ..base import InputError
 from ..client import ClientScene, History, Plan
-from ..errors import InputError
 from ..frames import Frame, Needs
 from ..frames.layers import PICTURE
 from ..geometry import Eyes, Guard, Pose, looking

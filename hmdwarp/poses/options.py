@@ -6,8 +6,7 @@ import re
 
 import attrs
 
-from ..errors import InputError
-from ..options import Declared, Number, names_in, one_of, option
+from ..base import Declared, InputError, Number, names_in, one_of, option
 
 # Kinds of `poses.synth`, in words.
 MOTIONS = "still, look-around, reversals, walk, fast-turns, forward, backward, sideways or rotate"

@@ -14,7 +14,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..base import InputError
 from ..geometry import Pose
 from . import quaternions
 from .assumptions import assumption_rows

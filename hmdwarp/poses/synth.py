@@ -23,7 +23,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, unknown_name
+from ..base import InputError, unknown_name
 from ..geometry import Pose
 from . import quaternions
 from .track import Origin, PoseSample, PoseTrack

@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import NO_NUMBERS, TraceError, in_brief
+from ..base import NO_NUMBERS, TraceError, in_brief
 from ..geometry import MOST_M, Pose, trusted_pose
 from . import quaternions
 

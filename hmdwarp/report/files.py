@@ -20,8 +20,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import platforms
-from ..errors import HmdwarpError, InputError, MachineError
+from ..base import HmdwarpError, InputError, MachineError, platforms
 
 _STEM = 60  # characters of a name that a partial file's name has
 _NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})

@@ -17,11 +17,10 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from ..errors import InputError, MachineError
+from ..base import InputError, MachineError, __version__
+from ..base.documents import json_in
+from ..base.named_files import RESULTS
 from ..metrics import QUALITY, STAGES
-from ..options.documents import json_in
-from ..options.named_files import RESULTS
-from ..resources import __version__
 from .files import Partial, keep_private, write_bytes, write_csv, write_error, write_json, write_png, write_text
 
 _STAGING = ".partial-"

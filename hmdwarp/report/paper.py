@@ -8,8 +8,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..options import PAPER_TABLES, PaperOptions
-from ..resources import __version__
+from ..base import PAPER_TABLES, PaperOptions, __version__
 from .charts import Drawn, paper_bytes
 from .output import OutputFolder
 from .page import Chart, Page

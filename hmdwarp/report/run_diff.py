@@ -14,10 +14,10 @@ from typing import Any, Self
 import attrs
 import numpy as np
 
-from ..errors import InputError
+from ..base import InputError
+from ..base.documents import json_in
+from ..base.named_files import LIST, PICTURE_FILE, RESULTS, opened, text_in
 from ..metrics import QUALITY, Figure
-from ..options.documents import json_in
-from ..options.named_files import LIST, PICTURE_FILE, RESULTS, opened, text_in
 from . import page
 from .files import LATE, Panel, Pixels, panels_in
 from .output import FRAME_COLUMNS, TIMED_COLUMNS, TIMED_KEYS, validate_summary

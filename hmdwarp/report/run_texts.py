@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 from markupsafe import Markup
 
-from .. import errors
+from ..base import errors
 from ..metrics import JOD, STAGES, Figure, metrics_in_order
 
 if TYPE_CHECKING:

@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import HmdwarpError, InputError, MachineError
-from ..resources import pyav
+from ..base import HmdwarpError, InputError, MachineError, pyav
 from .files import write_error
 
 # Either is in PyAV's wheels; 18: no difference to be seen at normal distance.

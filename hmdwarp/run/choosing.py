@@ -15,18 +15,16 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base import AUTO, InputError, PlanError, memory_bytes
 from ..client import PANEL, SHOWN, SHOWN_DEPTH, Plan, every_warp, needs_of
 from ..client.classes import Client, load_client
-from ..errors import InputError, PlanError
 from ..frames import EyeSizes, frame_bytes
 from ..headsets import Headset, load_headset
 from ..link import LinkOptions
 from ..metrics import MeasuringThreads, QualityPool, worker_count
-from ..options import AUTO
 from ..pipeline import PipelineOptions, Source, source_of
 from ..pipeline.levels import QualityLevel, Row, best_within, levels_from, read_rows
 from ..pipeline.sizes import build_plan_for, expected_age_ns, guarded_size
-from ..platforms import memory_bytes
 from ..poses import PoseTrack, load_trace, predict
 from ..poses.quaternions import conjugate, rotate
 from .measuring import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, Comparison, batches, instants_of, refreshes

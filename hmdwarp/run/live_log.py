@@ -16,11 +16,11 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base import AUTO
 from ..display import Display, Status, Tick
 from ..gpu import Canvas, Gpu
 from ..link import ResponseTime, figures_of_parts
 from ..metrics import aggregate_columns, middle_and_tail
-from ..options import AUTO
 from ..pipeline import Channel, Refresh
 from ..pipeline.governor import AdaptiveCompensator
 from ..report import FRAME_COLUMNS, OutputFolder, live_lines, render_live_report

@@ -19,6 +19,7 @@ from typing import Any, Protocol
 import attrs
 import numpy as np
 
+from ..base import AUTO, InputError, MachineError
 from ..client import every_fill, every_warp, needs_of
 from ..display import (
     CONTROLS,
@@ -36,9 +37,7 @@ from ..display import (
     desktop,
     openxr,
 )
-from ..errors import InputError, MachineError
 from ..geometry import GuardBand, Pose
-from ..options import AUTO
 from ..pipeline import Reads, Refresh, Source
 from ..pipeline.options import PROXY, SCENE, SERVER_SCENE
 from ..pipeline.proxy import check_names, source_of

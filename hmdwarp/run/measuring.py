@@ -15,21 +15,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import metrics
+from ..base import Choice, NoSettings, install_line, picture_from_linear
 from ..client import Compensator, EyeResult, History, PassInputs, Plan, build_plan, needs_of
 from ..client.strategies import has_own_link
 from ..client.warp_kinds import ArrayWarp
-from ..colour import picture_from_linear
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import PICTURE, Layer, layers
 from ..geometry import Fov, View, WarpMap, gaze_tangent, looking
 from ..gpu import Canvas, download, flip_rows, upload
 from ..link import Link, LinkOptions, Pacer
 from ..metrics import psnr
-from ..options import Choice, NoSettings
 from ..pipeline import Loop, Reads, Refresh
 from ..pipeline.remote import NoTruth
 from ..pipeline.sizes import build_plan_for, plan_against
-from ..resources import install_line
 from ..sources.server import Renderer
 from .run import ReplayRun, Schedule
 from .run_summary import Row, stage_columns

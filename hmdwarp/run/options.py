@@ -10,13 +10,12 @@ from typing import Any, ClassVar
 
 import attrs
 
-from ..errors import InputError
-from ..link.codec import VIDEOS, Coding
-from ..options import (
+from ..base import (
     AUTO,
     DISPLAY,
     PICTURE,
     Declared,
+    InputError,
     Number,
     force_field,
     group,
@@ -28,6 +27,7 @@ from ..options import (
     same_as,
     several,
 )
+from ..link.codec import VIDEOS, Coding
 from ..pipeline.options import (
     DISPLAYED,
     REMOTE,

@@ -10,11 +10,10 @@ from contextlib import nullcontext, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 
-from ..errors import HmdwarpError, MachineError
+from ..base import HmdwarpError, MachineError, __version__
 from ..poses import Origin, PoseSample
 from ..poses.writing import header_text, row_text
 from ..report import counted, refuse_existing, write_error
-from ..resources import __version__
 from ..scenes import INPUTS_HEADER, InputEvent, inputs_beside
 
 EVERY_S = 0.5  # plus the disk's own time, well below the second of data that a crash may cost

@@ -9,15 +9,13 @@ from typing import Any
 import attrs
 import numpy as np
 
+from ..base import AUTO, InputError, picture_from_linear
 from ..client import Plan
-from ..colour import picture_from_linear
-from ..errors import InputError
 from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu import download
 from ..link.options import ALL
 from ..metrics import TRUTH_JOD, Clips, Kept, MeasuringThreads, QualityPool, pooled, worker_count
-from ..options import AUTO
 from ..pipeline import ServerFrames
 from ..pipeline.options import SERVER_SCENE
 from ..pipeline.sizes import refreshes_of

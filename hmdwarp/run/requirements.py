@@ -17,8 +17,7 @@ import attrs
 from markupsafe import Markup
 
 from .. import metrics, report
-from ..errors import InputError, RequirementError, unknown_name
-from ..options import Declared, option, out_field
+from ..base import Declared, InputError, RequirementError, option, out_field, unknown_name
 
 _COMPARE: dict[str, Callable[[float, float], bool]] = {
     ">=": operator.ge, "<=": operator.le, ">": operator.gt, "<": operator.lt

@@ -13,10 +13,10 @@ from typing import ClassVar, Generic, Self, TypeVar
 import attrs
 import numpy as np
 
+from ..base import InputError, counted
 from ..client import ClientScene, Compensator, Plan, needs_of
 from ..client.classes import load_client
 from ..display import Display
-from ..errors import InputError, counted
 from ..frames import EyeSizes, Needs, frame_bytes, video_pixels
 from ..frames.layers import PICTURE
 from ..geometry import Eyes, Pose

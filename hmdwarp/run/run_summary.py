@@ -14,6 +14,7 @@ from typing import Any
 import attrs
 import numpy as np
 
+from ..base import __version__, made_with
 from ..geometry import Pose
 from ..gpu import Gpu
 from ..link import ResponseTime, TransitStats, figures_of_parts
@@ -38,7 +39,6 @@ from ..report import (
     render_report,
     summary_html,
 )
-from ..resources import __version__, made_with
 from ..scenes import InputEvent
 from .requirements import Verdict
 from .run import ReplayRun, Run

@@ -15,15 +15,14 @@ import attrs
 import numpy as np
 
 from .. import web
+from ..base import AUTO, InputError, MachineError, import_extra, recording_names
 from ..client import ClientScene, Plan, build_plan
-from ..errors import InputError, MachineError
 from ..frames import Frame, Needs
 from ..frames.layers import PICTURE, RENDERED, Delivered, EyeSizes, layers
 from ..geometry import Pose, View, guarded_eyes
 from ..gpu import Gpu, download
 from ..link import LinkOptions
 from ..link.codec import codecs
-from ..options import AUTO
 from ..pipeline import PipelineOptions
 from ..pipeline.channel import SEEN_PX, Changes
 from ..pipeline.feed_coding import (
@@ -42,7 +41,6 @@ from ..pipeline.recorded_source import RecordedRenderer, RecordingSource
 from ..pipeline.remote import Remote, RemoteFrames
 from ..pipeline.source import PoseRequest, Source, nothing
 from ..poses import Origin, PoseSample, folded, load_trace
-from ..resources import import_extra, recording_names
 from ..scenes import InputBook, InputEvent, load_scene
 from ..sources import sequences
 from ..sources.feed import bounds, message

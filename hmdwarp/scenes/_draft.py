@@ -11,9 +11,9 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError
+from ..base import SceneError
+from ..base.named_files import BESIDE, content_of
 from ..geometry import Pose
-from ..options.named_files import BESIDE, content_of
 from ._mesh import Body, Material, Mesh, Texture
 from ._scene import Panel
 

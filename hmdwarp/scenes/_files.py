@@ -10,9 +10,9 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import HmdwarpError, InputError, SceneError
+from ..base import HmdwarpError, InputError, SceneError
+from ..base.named_files import SCENE, opened
 from ..geometry import Pose
-from ..options.named_files import SCENE, opened
 from ._draft import Draft, Notes
 from ._gltf_scene import GltfContent
 from ._lamps import lit_by

@@ -20,9 +20,9 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, SceneError
-from ..options.documents import DocumentError, parse_json
-from ..options.named_files import GLTF, SCENE, content_of
+from ..base import InputError, SceneError
+from ..base.documents import DocumentError, parse_json
+from ..base.named_files import GLTF, SCENE, content_of
 from ._draft import Notes, read_beside, rgba_of
 
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942

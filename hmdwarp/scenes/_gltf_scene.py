@@ -13,8 +13,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..colour import linear_from_srgb, srgb8_from_linear
-from ..errors import SceneError
+from ..base import SceneError, linear_from_srgb, srgb8_from_linear
 from ..geometry import Pose
 from ._draft import MOST_TRIANGLES, Draft, Look, Notes, normals_of
 from ._gltf_file import KTX2, LIGHTS, VISIBILITY, GltfFile, check_extensions

@@ -10,9 +10,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError
-from ..options import NoSettings
-from ..registry import Registry
+from ..base import NoSettings, Registry, SceneError
 from ._draft import Notes
 from ._mesh import Mesh, Texture
 from ._scene import ATLAS, MOST_LAMPS, Lamp, Scene

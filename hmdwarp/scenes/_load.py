@@ -11,9 +11,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, unknown_name
+from ..base import InputError, option_of, unknown_name
 from ..geometry import RigidState
-from ..options import option_of
 from ._mesh import Body
 from ._scene import Scene
 from .input_events import InputLog

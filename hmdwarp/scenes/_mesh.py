@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import NO_NUMBERS, SceneError
+from ..base import NO_NUMBERS, SceneError
 from ..geometry import RigidState
 
 _NO_TINT = (1.0, 1.0, 1.0)

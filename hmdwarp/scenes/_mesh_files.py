@@ -16,10 +16,8 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from ..colour import linear_from_srgb
-from ..errors import InputError, SceneError
-from ..options.named_files import BESIDE, SCENE, content_of, keep_inside, opened, text_in
-from ..resources import import_extra
+from ..base import InputError, SceneError, import_extra, linear_from_srgb
+from ..base.named_files import BESIDE, SCENE, content_of, keep_inside, opened, text_in
 from ._draft import MOST_TRIANGLES, Draft, Look, Notes, normals_of, read_beside, rgba_of
 from ._mesh import Material, Texture
 

@@ -14,9 +14,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..colour import linear_from_srgb, srgb8_from_linear
-from ..errors import SceneError
-from ..resources import import_extra
+from ..base import SceneError, import_extra, linear_from_srgb, srgb8_from_linear
 from ._lamps import indirect_atlas, with_lamps_stopped
 from ._mesh import Deformation, Material, Mesh, Texture, chunks_of
 from ._scene import Background, Scene

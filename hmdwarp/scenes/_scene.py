@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import SceneError, in_brief
+from ..base import SceneError, in_brief
 from ..geometry import Mirror, Pose, View, is_a, real
 from ..geometry.view import MOST_MIRRORS
 from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Brightness, Mesh, Motion, Quad, Texture

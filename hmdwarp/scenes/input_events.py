@@ -17,7 +17,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from ..errors import InputError, unknown_name
+from ..base import InputError, unknown_name
 from .options import SEED, seed_of
 
 ACTIONS = PUSH, SWITCH, GRAB, RELEASE = ("push", "switch", "grab", "release")

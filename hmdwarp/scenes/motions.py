@@ -14,7 +14,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import SceneError
+from ..base import SceneError
 from ..geometry import Pose, RigidState
 from .input_events import GRAB, PUSH, RELEASE, SWITCH, InputEvent, InputLog
 

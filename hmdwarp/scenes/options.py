@@ -5,8 +5,7 @@ from __future__ import annotations
 import attrs
 
 from .. import geometry  # a face: help texts load this file, and no NumPy
-from ..errors import InputError, are_digits
-from ..options import PICTURE, Declared, Number, one_of, option
+from ..base import PICTURE, Declared, InputError, Number, are_digits, one_of, option
 
 NONE = "none"
 SEED = "seed:"  # of inputs, before its number

@@ -10,7 +10,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ..colour import linear_from_srgb, srgb8_from_linear
+from ..base import linear_from_srgb, srgb8_from_linear
 from ..gpu import Gpu
 from ..gpu.egl import clear_buffer, mapped
 from ..gpu.textures import SCALAR, Canvas, Owner, allocate, flip_rows, texture_bytes

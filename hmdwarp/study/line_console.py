@@ -17,8 +17,8 @@ from typing import Self
 
 import attrs
 
+from ..base import in_foreground, termios
 from ..display import Command
-from ..platforms import in_foreground, termios
 from .scales import Stepped, number_text, range_text
 
 ERASE = "\r\x1b[K"  # the line that the cursor is on

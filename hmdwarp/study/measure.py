@@ -15,14 +15,12 @@ from typing import Any
 
 import attrs
 
-from ..errors import InputError
+from ..base import AUTO, InputError, __version__, parse_size
 from ..experiments.sweep import Failure, Result, SweepCase, outcomes, sharing_nothing
 from ..headsets import headset_names, load_headset
 from ..metrics import QUALITY
-from ..options import AUTO, parse_size
 from ..pipeline import PipelineOptions
 from ..report import counted
-from ..resources import __version__
 from ..run import RunOptions, measured
 from ..scenes import inputs_beside
 from .design import live_options

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import attrs
 
+from ..base import Declared, group, option, same_as
 from ..experiments.sweep import ClusterOptions
-from ..options import Declared, group, option, same_as
 from ..run import RunOptions
 
 _RUN = attrs.fields(RunOptions)

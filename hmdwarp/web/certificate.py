@@ -15,8 +15,8 @@ from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from ..errors import InputError
-from ..options.named_files import SECRET, text_in
+from ..base import InputError
+from ..base.named_files import SECRET, text_in
 
 _DAYS = 825  # the most that Apple's browsers take
 # Nothing of it is the system's: by the settings there it may be an authority's, which signs others.

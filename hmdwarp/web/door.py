@@ -26,7 +26,7 @@ import zmq
 import zmq.asyncio
 from aiohttp import web
 
-from ..errors import InputError, are_digits
+from ..base import InputError, are_digits
 from ..gpu import VERSION, flatten
 from ..sources.feed.message import LARGEST_ASK, request_bytes, token_of
 from ..sources.feed.options import KeyPair

@@ -16,8 +16,8 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 from wrong_frames import INTERVAL_NS, MISREADINGS, Recording, filmed, right_frames, wrong_frames
 
+from hmdwarp.base import InputError
 from hmdwarp.check import LEFT, Stated, StatedFrame, check, read_stated
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import DepthLayer, Fov, Pose, View
 from hmdwarp.sources.sequences import SequenceOptions
 

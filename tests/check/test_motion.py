@@ -16,9 +16,8 @@ from scenes.glb import Glb
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
+from hmdwarp.base import InputError, linear_from_srgb
 from hmdwarp.check import Convention, MotionFrame, MotionFrames, check_motion, read_motion, synthesise
-from hmdwarp.colour import linear_from_srgb
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import DepthLayer, Fov, Pose, View
 from hmdwarp.scenes import InputEvent, load_scene
 from hmdwarp.sources.server import Server

@@ -69,7 +69,7 @@ def test_an_empty_text_and_a_name_too_long_are_refused_by_the_option_that_got_th
 
 def test_more_frames_than_memory_holds(command, quick, kept):
     """16384 x 16384 pixels of 12 bytes for two eyes are 6 GB a frame, 16 frames at a time."""
-    from hmdwarp.platforms import memory_bytes
+    from hmdwarp.base import memory_bytes
 
     if memory_bytes() > 85e9:
         pytest.skip("this machine has more than 85 GB of memory")

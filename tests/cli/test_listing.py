@@ -13,6 +13,7 @@ import sys
 import pytest
 import typer
 
+from hmdwarp.base import __version__, recording_names
 from hmdwarp.cli._app import app, options_of_commands
 from hmdwarp.cli.catalogue import KINDS, entries
 from hmdwarp.client.effects import effects
@@ -22,7 +23,6 @@ from hmdwarp.client.strategies import strategies
 from hmdwarp.client.warps import warps
 from hmdwarp.experiments.bench.cases import baselines
 from hmdwarp.frames.layers import layers
-from hmdwarp.resources import __version__, recording_names
 from hmdwarp.run.measuring import OUTSIDE, missing
 
 from .conftest import ROOT

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from hmdwarp.base import folder
 from hmdwarp.cli import _show
 from hmdwarp.poses import load_trace
-from hmdwarp.resources import folder
 
 from .conftest import PROGRAM, ROOT, complaints
 

@@ -13,8 +13,7 @@ import pytest
 from PIL import Image
 from recorded_folders import CX, CY, FX, FY, HAS_EXR, SIZE, taken, write_exrs, write_npz, write_pictures
 
-from hmdwarp.colour import srgb8_from_linear
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError, srgb8_from_linear
 from hmdwarp.sources.sequences import read_colour, read_depth, read_frame
 
 FOV = [-math.atan(0.5), math.atan(0.5), -math.atan(0.4), math.atan(0.4)]
@@ -66,7 +65,7 @@ def test_the_same_pose_gives_the_same_picture(warp, tmp_path):
     assert "out.npz" in done.out and "0.00 % holes" in done.out
     with np.load(tmp_path / "out.npz", allow_pickle=False) as data:
         assert set(data) == {"colour", "coverage", "depth_m", "encoding", "time_ms", *POSE}
-        from hmdwarp.colour import srgb8_from_linear
+        from hmdwarp.base import srgb8_from_linear
 
         assert np.array_equal(srgb8_from_linear(data["colour"]), arrays()["colour"])
         assert (data["coverage"] == 1).all()

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from hmdwarp import Fov, Pose, View
+from hmdwarp.base import InputError, linear_from_srgb
 from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.client.warp_kinds import ArrayWarp
 from hmdwarp.client.warps import warps
-from hmdwarp.colour import linear_from_srgb
-from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage
 from hmdwarp.gpu import COLOUR, SCALAR, allocate, download, upload
 

@@ -9,9 +9,9 @@ from holed import Holed
 from together import together
 from worlds import World, assert_equals_twin, every_choice, has_twin
 
+from hmdwarp.base import InputError
 from hmdwarp.client import every_fill, parse_fills, parse_warp
 from hmdwarp.client.warps.mesh import MOST_SIDE
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import GuardBand
 
 CHOICES = every_choice()

@@ -12,12 +12,11 @@ from run.gl_objects import living
 from worlds import shown_by
 
 from hmdwarp import warp_image
+from hmdwarp.base import PlanError, linear_from_srgb, picture_from_linear, srgb8_from_linear
 from hmdwarp.client import PassInputs, ShownPicture, WholeScene, build_plan, parse_warp
 from hmdwarp.client.capability import lacking
 from hmdwarp.client.classes import load_client
 from hmdwarp.client.warps import Output
-from hmdwarp.colour import linear_from_srgb, picture_from_linear, srgb8_from_linear
-from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage, Needs
 from hmdwarp.frames.layers.scene_parts import Simplified
 from hmdwarp.geometry import Fov, Pose, View

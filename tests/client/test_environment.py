@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from worlds import World, shown_by
 
+from hmdwarp.base import PlanError
 from hmdwarp.client import PassInputs
-from hmdwarp.errors import PlanError
 from hmdwarp.geometry import View
 from hmdwarp.geometry.cube import FACES
 

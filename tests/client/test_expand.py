@@ -16,10 +16,10 @@ from replays import each_refresh, small
 from scipy.spatial.transform import Rotation
 from worlds import pixels
 
+from hmdwarp.base import InputError, PlanError
 from hmdwarp.client import PassInputs, build_plan, parse_warp
 from hmdwarp.client.effects import ExpandPass, Tools
 from hmdwarp.client.warps import Output
-from hmdwarp.errors import InputError, PlanError
 from hmdwarp.frames import EyeImage, EyeSizes, Needs, frame_bytes
 from hmdwarp.frames.layers.pictures import FoveatedPicture
 from hmdwarp.geometry import Fov, Fovea, FoveaGrid, Pose, View, WarpMap, grid_of

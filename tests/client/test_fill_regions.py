@@ -17,9 +17,9 @@ from scipy.ndimage import distance_transform_edt
 from scipy.spatial.transform import Rotation
 
 import hmdwarp
+from hmdwarp.base import srgb_from_linear
 from hmdwarp.client import CLIENT_MODEL
 from hmdwarp.client.fills import fills
-from hmdwarp.colour import srgb_from_linear
 from hmdwarp.geometry import Fov, Pose, View
 
 WARP = "iterative:frames=1,resample=bilinear"

@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 from worlds import World
 
+from hmdwarp.base import InputError
 from hmdwarp.client.warps import warps
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose, View
 
 from .scatters import Scatter

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from replays import each_refresh, small
 from strategies import FOVS, poses
 
+from hmdwarp.base import InputError
 from hmdwarp.client import History, PassInputs
-from hmdwarp.errors import InputError
 from hmdwarp.frames import Frame, Others
 from hmdwarp.geometry import View
 

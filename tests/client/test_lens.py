@@ -9,8 +9,8 @@ from reference.lens import radial
 from reference.picture import GPU_SAMPLER_PIXELS, HALF_SMALLEST, HALF_UNIT
 from worlds import read
 
+from hmdwarp.base import InputError
 from hmdwarp.client.lens import lenses
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov
 from hmdwarp.gpu import Canvas
 from hmdwarp.headsets import Headset, headset_names, load_headset

@@ -10,9 +10,9 @@ from client_scene import ClientScene
 from replays import refreshed, small
 from worlds import read
 
+from hmdwarp.base import PlanError
 from hmdwarp.client import PassInputs, ShownPicture, build_plan
 from hmdwarp.client.effects import Tools, effects
-from hmdwarp.errors import PlanError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Canvas, download

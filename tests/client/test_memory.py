@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from worlds import World, read
 
 from client.test_multi import BEFORE_A_WALL, HALF_FLOAT, WALL, at, drawn, scene_of, square
+from hmdwarp.base import InputError
 from hmdwarp.client import PassInputs, ShownPicture, parse_fills
 from hmdwarp.client.fills.memory import (
     HoleFiller,
@@ -26,7 +27,6 @@ from hmdwarp.client.fills.memory import (
     most_useful,
     seeds_for,
 )
-from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu import COLOUR, NUMBER, SCALAR, Canvas, allocate

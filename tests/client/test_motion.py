@@ -9,11 +9,11 @@ import pytest
 from reference.motion import MotionAsked, moved_picture
 from worlds import pixels, read
 
+from hmdwarp.base import InputError
 from hmdwarp.client import PassInputs
 from hmdwarp.client.effects import Tools
 from hmdwarp.client.effects.motion import MOST_BODIES, RIGID, SOFT, STEEPEST_DEG, MotionPass
 from hmdwarp.client.warp_kinds import steepest
-from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage, Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
 from hmdwarp.gpu import COLOUR, NUMBER, SCALAR, allocate

@@ -13,11 +13,11 @@ from reference.raycast import cast_quads
 from scipy.spatial.transform import Rotation
 from worlds import read
 
+from hmdwarp.base import SceneError
 from hmdwarp.client import PassInputs, ShownPicture
 from hmdwarp.client.effects import Tools
 from hmdwarp.client.effects.text import HeldPanel, PanelsPass, box_of, panel_from_shown, panel_texture
 from hmdwarp.client.lens import lenses
-from hmdwarp.errors import SceneError
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate

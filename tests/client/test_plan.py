@@ -13,6 +13,7 @@ from panels import headset_for
 from together import together
 from worlds import World
 
+from hmdwarp.base import PlanError
 from hmdwarp.client import (
     CLIENT_DEPTH,
     CLIENT_MODEL,
@@ -32,7 +33,6 @@ from hmdwarp.client.effects import effects
 from hmdwarp.client.fills import fills
 from hmdwarp.client.lens import lenses
 from hmdwarp.client.warps import Output, warps
-from hmdwarp.errors import PlanError
 from hmdwarp.frames.layers import readable_names
 from hmdwarp.frames.layers.scene_parts import Simplified
 from hmdwarp.geometry import Fov, Pose, View

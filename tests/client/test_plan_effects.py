@@ -12,10 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from together import together
 
+from hmdwarp.base import InputError
 from hmdwarp.client import SHOWN, build_plan
 from hmdwarp.client.effects import RenderedPass, effects
 from hmdwarp.client.warps import warps
-from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeSizes, Needs, frame_bytes
 from hmdwarp.frames.layers import readable_names
 from hmdwarp.geometry import Fov

@@ -12,11 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from together import together
 
+from hmdwarp.base import Choice, InputError
 from hmdwarp.client import parse_fills, parse_warp
 from hmdwarp.client.fills import fills
 from hmdwarp.client.warps import warps
-from hmdwarp.errors import InputError
-from hmdwarp.options import Choice
 
 
 def fields_of(warp: type) -> list[tuple[str, typing.Any, typing.Any]]:

@@ -10,6 +10,7 @@ from client_scene import ClientScene
 from lit_rooms import plain
 from worlds import shown_by
 
+from hmdwarp.base import linear_from_srgb
 from hmdwarp.client import PassInputs
 from hmdwarp.client.warps import Output
 from hmdwarp.cloudlight.photons import octahedral
@@ -27,7 +28,6 @@ from hmdwarp.cloudlight.points import (
     unpacked,
 )
 from hmdwarp.cloudlight.radiosity import direct_light, transport_of
-from hmdwarp.colour import linear_from_srgb
 from hmdwarp.frames import EyeImage
 from hmdwarp.frames.layers import Update
 from hmdwarp.geometry import Fov, Pose, View

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from lit_rooms import GREY, box, cube, in_atlas, placed, scene_of, wall
 
+from hmdwarp.base import SceneError
 from hmdwarp.cloudlight.radiosity import RAYS, direct_light, transport_of
-from hmdwarp.errors import SceneError
 from hmdwarp.scenes import Lamp, Pendulum, Scene, lamps_at, scenes
 
 

@@ -10,9 +10,9 @@ import pytest
 from lit_rooms import GREY, Fixed, box, cube, placed, scene_of, wall
 from worlds import read
 
+from hmdwarp.base import InputError, UnknownNameError
 from hmdwarp.client import lit_by, parse_indirect
 from hmdwarp.cloudlight.voxels import VoxelGrid, voxel_surfaces
-from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import Background, Lamp, Scene, load_scene
 from hmdwarp.sources.server import Server

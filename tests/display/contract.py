@@ -20,7 +20,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.base import srgb8_from_linear
 from hmdwarp.display import Closed, Command, Display, DisplayOptions, Lost, OffscreenDisplay, Status, Tick
 from hmdwarp.geometry import View
 from hmdwarp.gpu import Canvas, Gpu

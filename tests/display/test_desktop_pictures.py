@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hmdwarp.base import InputError
 from hmdwarp.display.desktop import WindowView, choose_library
 from hmdwarp.display.desktop.pacing import UNSYNCED, Pacer
 from hmdwarp.display.desktop.window_system import flat_size, viewports, window_size
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
 

@@ -10,7 +10,7 @@ import json
 
 import pytest
 
-from hmdwarp.errors import InputError, TraceError
+from hmdwarp.base import InputError, TraceError
 from hmdwarp.run import LiveOptions, live
 
 ASKED = {

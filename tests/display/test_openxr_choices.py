@@ -14,8 +14,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from hmdwarp.base import HmdwarpError, InputError, MachineError
 from hmdwarp.display.openxr.diagnosis import load_binding
-from hmdwarp.errors import HmdwarpError, InputError, MachineError
 from hmdwarp.geometry import Pose
 
 try:

@@ -11,7 +11,7 @@ import pytest
 from scipy.ndimage import map_coordinates
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.colour import linear_from_srgb, srgb8_from_linear, srgb_from_linear
+from hmdwarp.base import linear_from_srgb, srgb8_from_linear, srgb_from_linear
 from hmdwarp.display import FRAMEBUFFER_SRGB, Presenter, text_ink
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, Canvas, allocate, download, upload

@@ -13,8 +13,7 @@ import pytest
 from replays import each_refresh, run, small
 
 from hmdwarp import Fov, Pose, View, warp_image
-from hmdwarp.colour import picture_from_linear, srgb8_from_linear
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError, picture_from_linear, srgb8_from_linear
 from hmdwarp.gpu import download
 from hmdwarp.run import replay
 from hmdwarp.sources.feed import FeedOptions

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hmdwarp.base import UnknownNameError
 from hmdwarp.client.effects import ExpandPass, effects
 from hmdwarp.client.fills import fills
 from hmdwarp.client.warps import warps
-from hmdwarp.errors import UnknownNameError
 from hmdwarp.frames import EyeImage, EyeSizes, Mirrored, Needs, Others, Surface, frame_bytes
 from hmdwarp.frames.layers import FRAGMENT_BYTES, OWN, PIXEL_BYTES, RENDERED, SHOWN, Inbox, Layer, Outbox, layers
 from hmdwarp.geometry import Fov, Pose, View

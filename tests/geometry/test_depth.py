@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from together import together
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.geometry import DepthLayer, inverse_depth_from_metres, metres_from_inverse_depth
 
 UNIT = 2.0**-53

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from strategies import QUATERNIONS, UNIFORM_QUATERNIONS, poses, vectors
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.geometry import Pose
 
 UNIT = 2.0**-53

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import FOVS, SIZES
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.geometry import Fov, GuardBand, Pose, View, guarded_eyes
 
 UNIT = 2.0**-53

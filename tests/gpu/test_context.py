@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from commands import hmdwarp
 
-from hmdwarp.errors import InputError, MachineError
+from hmdwarp.base import InputError, MachineError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, Canvas, Gpu, allocate, context, download, egl, reset_status_of, upload
 from hmdwarp.gpu.context import contexts_kept

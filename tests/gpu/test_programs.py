@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import hmdwarp.gpu.shaders
-from hmdwarp.errors import InputError, ShaderError
+from hmdwarp.base import InputError, ShaderError
 from hmdwarp.gpu import VERSION, Compute, Draw, Gpu, ShaderLibrary, flatten
 
 

@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from hmdwarp.errors import MachineError
+from hmdwarp.base import MachineError
 from hmdwarp.gpu import COLOUR, allocate, depth_framebuffer, download, drawing_into, gl_function
 
 

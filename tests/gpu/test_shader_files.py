@@ -15,12 +15,12 @@ from panels import headset_for
 from together import together
 from worlds import every_choice
 
+from hmdwarp.base import MachineError, folder
 from hmdwarp.client import Carry, ShownDepth, every_fill, parse_fills, parse_warp
 from hmdwarp.client.effects import EXPANDED, ExpandPass, Tools, effects
 from hmdwarp.client.lens import GPU_DEFINES, SOFTWARE_DEFINES, LensPass, lenses
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.display import Presenter
-from hmdwarp.errors import MachineError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
 from hmdwarp.frames.layers.scene_parts import Simplified
@@ -30,7 +30,6 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.image.picture_arrays import ENCODINGS, SRGB8, raw_picture
 from hmdwarp.image.picture_textures import INVERSE, METRES, converted
 from hmdwarp.metrics import PairPass
-from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
 from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
 from hmdwarp.sources.array_passes import LINEAR, Arrays, GiveCodes, GiveOut, PixelBuffers, Scaling, TakeIn, Upload

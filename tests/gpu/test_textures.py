@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from together import together
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, check_size, download, flip_rows, upload
 
 KINDS = [(c, d) for c in (1, 2, 3, 4) for d in ("f1", "f2", "f4", "u4")]

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from hmdwarp.errors import TraceError
+from hmdwarp.base import TraceError
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseTrack, angle_between, predict, slerp
 from hmdwarp.poses.predictors import predictors

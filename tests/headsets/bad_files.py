@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.headsets import load_headset
 
 

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from strategies import poses
 from worlds import read
 
+from hmdwarp.base import InputError
 from hmdwarp.client import Compensator, PassInputs, build_plan
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Hidden, Pose, guarded_eyes
 from hmdwarp.headsets import Headset, HeadsetEye, headset_names, load_headset
 from hmdwarp.run import needed_factors

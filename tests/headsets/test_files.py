@@ -12,8 +12,8 @@ import pytest
 from reference.lens import tangent_from_lens
 
 import hmdwarp.headsets
+from hmdwarp.base import InputError, UnknownNameError
 from hmdwarp.cli.catalogue import entries
-from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.headsets import headset_names, load_headset
 
 from .bad_files import refusal

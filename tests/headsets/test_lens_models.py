@@ -16,8 +16,8 @@ from replays import run
 from scipy.interpolate import PchipInterpolator
 from worlds import read
 
+from hmdwarp.base import InputError
 from hmdwarp.client.lens import lenses
-from hmdwarp.errors import InputError
 from hmdwarp.gpu import Canvas
 from hmdwarp.headsets import COLOURS, MAX_COEFFICIENTS, Headset, RadialLens, TableLens, ViveLens, load_headset
 

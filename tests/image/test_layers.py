@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hmdwarp import Fov, InputError, Panel, Pose, View, Warper, warp_image
-from hmdwarp.errors import PlanError
+from hmdwarp.base import PlanError
 
 WIDE, HIGH = 40, 30
 FAR_M, NEAR_M = 8.0, 2.0

@@ -16,8 +16,8 @@ from made import counting_made
 from scipy.spatial.transform import Rotation
 
 from hmdwarp import Fov, InputError, Pose, View, Warper, warp_image
+from hmdwarp.base import PlanError
 from hmdwarp.client.warps import warps
-from hmdwarp.errors import PlanError
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, download, upload
 from hmdwarp.image import usable_warps
 from hmdwarp.image.picture_arrays import checked_picture, raw_picture

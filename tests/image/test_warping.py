@@ -14,9 +14,8 @@ from scipy.spatial.transform import Rotation
 
 import hmdwarp
 from hmdwarp import Fov, InputError, Pose, View
+from hmdwarp.base import PlanError, UnknownNameError, linear_from_srgb, srgb8_from_linear
 from hmdwarp.client.warps import warps
-from hmdwarp.colour import linear_from_srgb, srgb8_from_linear
-from hmdwarp.errors import PlanError, UnknownNameError
 from hmdwarp.frames.layers import PICTURE
 from hmdwarp.gpu import Gpu
 

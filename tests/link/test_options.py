@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.link import (
     Bandwidth,
     GilbertElliott,

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hmdwarp
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.metrics import flip, psnr, ssim
 
 from . import pictures

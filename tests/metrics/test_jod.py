@@ -12,7 +12,7 @@ from ratings import crashing_torch, quiet, with_cvvdp, without_cvvdp  # noqa: F4
 from replays import run
 
 import hmdwarp.headsets
-from hmdwarp.errors import MachineError
+from hmdwarp.base import MachineError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.metrics import Clips, Compared, ShownOn, preferring
 

@@ -6,7 +6,7 @@ import attrs
 import numpy as np
 import pytest
 
-from hmdwarp.errors import HmdwarpError, InputError
+from hmdwarp.base import HmdwarpError, InputError
 from hmdwarp.metrics import (
     QUALITY,
     Compared,

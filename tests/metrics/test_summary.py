@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from hmdwarp.errors import HmdwarpError
+from hmdwarp.base import HmdwarpError
 from hmdwarp.metrics import (
     LEAST_INSTANTS,
     QUALITY,

@@ -11,7 +11,7 @@ import time
 import numpy as np
 import pytest
 
-from hmdwarp.colour import picture_from_linear
+from hmdwarp.base import picture_from_linear
 from hmdwarp.display import Closed, Command, DisplayOptions
 from hmdwarp.display.openxr import OpenXrDisplay
 from hmdwarp.gpu import download, flip_rows

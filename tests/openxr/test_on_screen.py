@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 
-from hmdwarp.colour import linear_from_srgb
+from hmdwarp.base import linear_from_srgb
 from hmdwarp.geometry import Fov, Pose
 from hmdwarp.gpu import upload
 from hmdwarp.scenes import Panel, Scene, SceneSource, scenes

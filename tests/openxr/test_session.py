@@ -18,12 +18,11 @@ import pytest
 import xr
 from display.virtual_screen import until
 
-from hmdwarp.colour import picture_from_linear
+from hmdwarp.base import InputError, MachineError, picture_from_linear
 from hmdwarp.display import DisplayOptions
 from hmdwarp.display.openxr import OpenXrDisplay
 from hmdwarp.display.openxr.connection import NEAR_M, Swapchain
 from hmdwarp.display.openxr.runtime import Calls
-from hmdwarp.errors import InputError, MachineError
 from hmdwarp.geometry import Fov, Pose
 from hmdwarp.gpu import download, flip_rows
 from hmdwarp.poses import Origin, angle_between, load_trace

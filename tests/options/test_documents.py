@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import pytest
 
-from hmdwarp.options.documents import MOST_DEPTH, DocumentError, parse_json, parse_toml
+from hmdwarp.base.documents import MOST_DEPTH, DocumentError, parse_json, parse_toml
 
 HUGE = 200_000
 

@@ -7,7 +7,7 @@ import tomllib
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.options.documents import line_of
+from hmdwarp.base.documents import line_of
 
 KEYS = st.text("ab-", min_size=1, max_size=2)
 MULTILINE = ["QQQ\na = [1\nQQQ".replace("Q", '"'), "QQQ\n[x]\nQQQ".replace("Q", "'")]

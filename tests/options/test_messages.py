@@ -9,9 +9,8 @@ from typing import Any
 import attrs
 from together import together
 
+from hmdwarp.base import Declared, InputError, as_keys, option_of
 from hmdwarp.cli._app import options_of_commands
-from hmdwarp.errors import InputError
-from hmdwarp.options import Declared, as_keys, option_of
 
 WRONG = (math.nan, math.inf, -math.inf, "?", "?=?", "x:?", "", (), (math.nan,), b"?", 1j, [None], {}, object)
 

@@ -6,8 +6,7 @@ import math
 
 import pytest
 
-from hmdwarp.errors import InputError
-from hmdwarp.options import KeyFault, Table, parsed
+from hmdwarp.base import InputError, KeyFault, Table, parsed
 
 DATA = {
     "text": "x", "empty": " ", "lines": "a\nb", "number": 2.5, "whole": 3, "huge": 0x1 << 20_000, "nan": math.nan,

@@ -12,9 +12,9 @@ import pytest
 from heads import Eyes, Head
 from replays import CHEAPER, scene_for
 
+from hmdwarp.base import picture_from_linear
 from hmdwarp.client import build_plan
 from hmdwarp.client.strategies import strategies
-from hmdwarp.colour import picture_from_linear
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose
 from hmdwarp.gpu import Lap, download

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 from replays import contents, rows_of, run, small
 
-from hmdwarp.colour import picture_from_linear, srgb_from_linear
-from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.base import InputError, UnknownNameError, picture_from_linear, srgb_from_linear
 from hmdwarp.frames import Frame, Needs
 from hmdwarp.frames.layers import BRIGHT_VIDEO, DEPTH, PACKED, VECTORS, VIDEO, layers
 from hmdwarp.geometry import Fov, Pose, View

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from replays import each_refresh, run, small
 
-from hmdwarp.errors import InputError, PlanError
+from hmdwarp.base import InputError, PlanError
 from hmdwarp.geometry import Pose
 from hmdwarp.gpu import Canvas, download
 from hmdwarp.headsets import load_headset

@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from replays import rows_of, run, small
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.frames import Needs
 from hmdwarp.link import Link, LinkOptions
 from hmdwarp.pipeline.sizes import frames_held, refreshes_of

@@ -9,11 +9,10 @@ import pytest
 from commands import hmdwarp
 from replays import CHEAPER, scene_for
 
+from hmdwarp.base import InputError, options_of
 from hmdwarp.client import parse_warp
 from hmdwarp.client.effects import effects
 from hmdwarp.client.strategies import options_of_strategy, strategies
-from hmdwarp.errors import InputError
-from hmdwarp.options import options_of
 from hmdwarp.pipeline import PipelineOptions, build_plan_for
 from hmdwarp.scenes import load_scene
 from hmdwarp.study.design import live_options

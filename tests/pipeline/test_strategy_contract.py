@@ -15,9 +15,9 @@ import pytest
 from lit_rooms import moving_room, placed
 from replays import CHEAPER, SMALL
 
+from hmdwarp.base import srgb_from_linear
 from hmdwarp.client import ShownPicture, WholeScene
 from hmdwarp.client.strategies import strategies
-from hmdwarp.colour import srgb_from_linear
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Pose, RigidState
 from hmdwarp.gpu import SCALAR, Canvas, allocate, download

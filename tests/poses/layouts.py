@@ -16,7 +16,7 @@ import attrs
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.errors import HmdwarpError
+from hmdwarp.base import HmdwarpError
 from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace
 from hmdwarp.poses.reading.axes import parse_axes
 

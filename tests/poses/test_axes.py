@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
 from hmdwarp.poses.reading.axes import Axes, parse_axes, presets
 

@@ -11,7 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.base import InputError, UnknownNameError
 from hmdwarp.poses import Origin, TraceOptions, analyse, load_trace, predict
 
 from .traces import found, head, kinds, refusal, rows, same_motion, write

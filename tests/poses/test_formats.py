@@ -18,7 +18,7 @@ from regenerate import assumed_list
 from ros_bags import HAS_ROSBAGS, write_ros1
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.errors import MachineError, TraceError
+from hmdwarp.base import MachineError, TraceError
 from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
 from hmdwarp.poses.assumptions import By
 from hmdwarp.poses.formats import formats

@@ -10,7 +10,7 @@ import pytest
 from eyes import with_eyes
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.errors import TraceError
+from hmdwarp.base import TraceError
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import PoseTrack, known_gaze, load_trace, predict, synthesise
 from hmdwarp.poses.formats import formats

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.base import InputError, UnknownNameError
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseTrack, error_row, load_trace, predict, quaternions
 from hmdwarp.poses.predictors import predictors

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hmdwarp import resources
+from hmdwarp.base import resources
 from hmdwarp.poses import KINDS, analyse, load_trace
 
 from .traces import kinds

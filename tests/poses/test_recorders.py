@@ -7,7 +7,7 @@ import pytest
 from recorded_folders import taken, write_colmap
 from ros_bags import BEGINS_NS, FIRST_TF, HAS_ROSBAGS, Messages, logged, write_bag
 
-from hmdwarp.errors import TraceError
+from hmdwarp.base import TraceError
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.poses.assumptions import By
 

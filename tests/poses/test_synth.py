@@ -13,8 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from hmdwarp import resources
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError, resources
 from hmdwarp.poses import (
     DECIMALS,
     GLIDES,

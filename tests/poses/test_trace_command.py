@@ -8,9 +8,8 @@ import os
 import pytest
 from typer.testing import CliRunner
 
-from hmdwarp import resources
+from hmdwarp.base import HmdwarpError, resources
 from hmdwarp.cli.trace import app
-from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.formats import formats
 

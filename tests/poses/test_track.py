@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation, Slerp
 
-from hmdwarp.errors import TraceError
+from hmdwarp.base import TraceError
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import (
     LoopedSource,

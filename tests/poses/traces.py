@@ -9,7 +9,7 @@ import pytest
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.base import InputError, UnknownNameError
 from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
 from hmdwarp.poses.formats import formats
 

@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 from skimage.color import deltaE_ciede2000, rgb2lab
 
-from hmdwarp.colour import linear_from_srgb, srgb_from_linear
+from hmdwarp.base import linear_from_srgb, srgb_from_linear
 from hmdwarp.metrics import aggregate
 from hmdwarp.report import Look, Series, canvas, css_variables, draw_numbers, paper_bytes, time_series
 from hmdwarp.report.bench.page import looks_of, pareto_chart, pareto_text

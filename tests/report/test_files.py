@@ -17,7 +17,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.errors import HmdwarpError, InputError, MachineError
+from hmdwarp.base import HmdwarpError, InputError, MachineError
 from hmdwarp.report import (
     OutputFolder,
     atomic,

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from hmdwarp.errors import InputError
-from hmdwarp.options import PaperOptions
+from hmdwarp.base import InputError, PaperOptions
 from hmdwarp.report import OutputFolder, write_paper
 from hmdwarp.report.bench.page import bench_page
 

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.metrics import aggregate
 from hmdwarp.report import FRAME_COLUMNS, SUMMARY_KEYS, summary_faults, validate_summary
 

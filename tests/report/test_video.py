@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hmdwarp.errors import HmdwarpError, InputError, MachineError
+from hmdwarp.base import HmdwarpError, InputError, MachineError
 from hmdwarp.report import open_video, video
 
 av = pytest.importorskip("av")

@@ -18,12 +18,11 @@ from pages import rows_of
 from replays import small, suited
 from scipy.spatial.transform import Rotation
 
+from hmdwarp.base import InputError, PlanError, parse_guard
 from hmdwarp.client import Compensator, build_plan, every_warp, parse_warp
 from hmdwarp.client.classes import client_names, load_client
 from hmdwarp.display import Command
-from hmdwarp.errors import InputError, PlanError
 from hmdwarp.headsets import load_headset
-from hmdwarp.options import parse_guard
 from hmdwarp.pipeline import QualityLevel, build_plan_for, source_of
 from hmdwarp.pipeline.levels import read_rows
 from hmdwarp.poses import PoseTrack

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from hmdwarp.errors import MachineError
+from hmdwarp.base import MachineError
 from hmdwarp.run import Ending, LiveOptions
 from hmdwarp.run.live_run import GarbageControl
 

@@ -9,9 +9,9 @@ import pytest
 from replays import suited
 
 import hmdwarp.pipeline.sizes
+from hmdwarp.base import InputError, MachineError
 from hmdwarp.client import parse_warp
 from hmdwarp.display import CONTROLS, Command, control
-from hmdwarp.errors import InputError, MachineError
 from hmdwarp.headsets import load_headset
 from hmdwarp.run import CommandHandler, LiveOptions, PipelineHost
 from hmdwarp.run import live_run as handling

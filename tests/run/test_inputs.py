@@ -7,8 +7,8 @@ import pytest
 from replays import each_refresh, run, small
 from scipy.spatial.transform import Rotation
 
+from hmdwarp.base import InputError
 from hmdwarp.display import MOVED, Command
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.gpu import download
 from hmdwarp.pipeline.options import ProxyOptions

@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from replays import contents, rows_of
 
+from hmdwarp.base import MachineError
 from hmdwarp.display import Command, Lost, Tick
-from hmdwarp.errors import MachineError
 from hmdwarp.gpu import Canvas, download, upload
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
 from hmdwarp.run import HoleCounter, LiveLog, LiveOptions

@@ -16,8 +16,8 @@ import needs
 import pytest
 from display.virtual_screen import VirtualScreen
 
+from hmdwarp.base import MachineError
 from hmdwarp.display import desktop
-from hmdwarp.errors import MachineError
 from hmdwarp.pipeline import source_of
 from hmdwarp.run import LiveOptions, open_display
 

@@ -16,12 +16,10 @@ from PIL import Image
 from recorded_folders import taken, write_npz
 from replays import replayed, rows_of
 
-from hmdwarp.colour import linear_from_srgb
-from hmdwarp.errors import InputError, PlanError
+from hmdwarp.base import InputError, PlanError, linear_from_srgb, options_of
 from hmdwarp.geometry import Fov, Hidden, Pose, inverse_depth_from_metres
 from hmdwarp.gpu import download
 from hmdwarp.image import usable_fills, usable_warps
-from hmdwarp.options import options_of
 from hmdwarp.pipeline import PipelineOptions
 from hmdwarp.pipeline.recorded_source import RecordedRenderer, RecordingSource
 from hmdwarp.pipeline.source import nothing

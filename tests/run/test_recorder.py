@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 import pytest
 
-from hmdwarp.errors import InputError, MachineError
+from hmdwarp.base import InputError, MachineError
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseSample, load_trace
 from hmdwarp.run import Recorder, origin_of

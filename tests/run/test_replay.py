@@ -17,11 +17,10 @@ from made import counting_made
 from poses.traces import save
 from replays import contents, rows_of, run, small, suited
 
+from hmdwarp.base import HmdwarpError, InputError, __version__
 from hmdwarp.client.fills import fills
-from hmdwarp.errors import HmdwarpError, InputError
 from hmdwarp.poses import Origin, load_trace, synthesise, write_synthetic
 from hmdwarp.report import FRAME_COLUMNS, validate_summary, write_text
-from hmdwarp.resources import __version__
 from hmdwarp.run import set_up_replay
 
 QUALITY_AT = ("psnr_db", "ssim", "flip", "hole_share", "border_share")

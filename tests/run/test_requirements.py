@@ -5,7 +5,7 @@ from xml.etree import ElementTree as Xml
 
 import pytest
 
-from hmdwarp.errors import InputError, RequirementError
+from hmdwarp.base import InputError, RequirementError
 from hmdwarp.metrics import QUALITY, STAGES
 from hmdwarp.report import figure_of, is_same
 from hmdwarp.run.requirements import Gate, Requirements, Tolerance

@@ -6,8 +6,8 @@ import attrs
 import numpy as np
 import pytest
 
+from hmdwarp.base import SceneError
 from hmdwarp.client.effects import effects
-from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Pose, RigidState
 from hmdwarp.scenes import (
     Ball,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.scenes import SceneOptions, load_scene
 
 from .glb import IN_PLACE

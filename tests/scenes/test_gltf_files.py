@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hmdwarp.base import InputError
 from hmdwarp.client.effects import effects
-from hmdwarp.errors import InputError
 from hmdwarp.scenes import Mesh, Scene, SceneOptions, is_cutout, load_scene
 
 from .glb import IN_PLACE

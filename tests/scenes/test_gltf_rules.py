@@ -12,8 +12,7 @@ import pytest
 from PIL import Image
 from worlds import read
 
-from hmdwarp.colour import linear_from_srgb
-from hmdwarp.errors import SceneError
+from hmdwarp.base import SceneError, linear_from_srgb
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import _gltf_nodes, _gltf_scene, load_scene, only_light, partial_scene, reduced, unlit

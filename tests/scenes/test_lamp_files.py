@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from replays import run
 
+from hmdwarp.base import SceneError
 from hmdwarp.cloudlight.radiosity import direct_light, receivers_of
-from hmdwarp.errors import SceneError
 from hmdwarp.scenes import ATLAS, lamps_at, load_scene
 
 from .glb import IN_PLACE, Glb

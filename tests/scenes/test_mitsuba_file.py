@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hmdwarp.errors import HmdwarpError, SceneError
-from hmdwarp.options.identity import hash_of_files
+from hmdwarp.base import HmdwarpError, SceneError
+from hmdwarp.base.identity import hash_of_files
 from hmdwarp.scenes import load_scene
 
 from .glb import IN_PLACE

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.errors import SceneError
+from hmdwarp.base import SceneError
 from hmdwarp.geometry import Pose
 from hmdwarp.scenes import Body, Deformation, Mesh, Pendulum, Scene, Spinning, Thrown, Track, Waving, load_scene
 

@@ -8,8 +8,8 @@ import pytest
 from mirrored import shapes_of
 
 import hmdwarp.scenes
+from hmdwarp.base import SceneError
 from hmdwarp.client.effects import effects
-from hmdwarp.errors import SceneError
 from hmdwarp.scenes import Ball, Body, Material, Mesh, Scene, Texture, load_scene, unlit
 
 

@@ -24,7 +24,7 @@ import pytest
 from commands import hmdwarp
 from golden_texts import assert_text, words_of
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.scenes import inputs_beside
 from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import SourceOptions, from_csv

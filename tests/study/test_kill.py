@@ -30,7 +30,7 @@ import attrs
 import numpy as np
 import pytest
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.poses import load_trace
 from hmdwarp.study.design import Ask, Show, load_design, steps_of
 from hmdwarp.study.respondents import answers_of, load_model, person_of

@@ -12,8 +12,8 @@ from recorded_folders import taken, write_npz
 from replays import CHEAPER, scene_for
 from together import together
 
+from hmdwarp.base import InputError
 from hmdwarp.client.strategies import strategies
-from hmdwarp.errors import InputError
 from hmdwarp.experiments.sweep import ClusterOptions
 from hmdwarp.metrics import QUALITY
 from hmdwarp.poses import load_trace

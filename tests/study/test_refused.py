@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.study.design import design_from_text
 from hmdwarp.study.respondents import model_from_text
 from hmdwarp.study.scales import FOLDER as SCALES

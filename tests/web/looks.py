@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from hmdwarp import Fov, Pose, View, Warper
-from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.base import srgb8_from_linear
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers.panels import Panels
 from hmdwarp.gpu import download

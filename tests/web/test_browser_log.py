@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from PIL import Image
 from serving import Serving
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.geometry import Fov
 from hmdwarp.headsets import Headset, HeadsetEye, headset_toml
 from hmdwarp.poses import TraceOptions, load_trace

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from hmdwarp import Fov, Panel, Pose, View, warp_image
-from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.base import srgb8_from_linear
 from hmdwarp.frames.layers import Outbox
 from hmdwarp.frames.layers.panels import things_of, with_showing
 from hmdwarp.gpu import download

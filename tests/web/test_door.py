@@ -31,7 +31,7 @@ from recorded_folders import taken, write_npz
 from serving import Serving
 from sources.feed.exchange import exchanged, port_of
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.geometry import Pose, View
 from hmdwarp.run import ServeOptions
 from hmdwarp.sources.feed import sockets

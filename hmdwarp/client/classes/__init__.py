@@ -7,8 +7,7 @@ from pathlib import Path
 
 import attrs
 
-from ...errors import unknown_name
-from ...options import Table, parsed, text_of
+from ...base import Table, parsed, text_of, unknown_name
 
 # What the client has of the scene, from nothing to all. reduced: every triangle for depth, and a
 # reduced model for colour. whole: the whole scene for colour too.

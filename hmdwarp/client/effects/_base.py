@@ -8,12 +8,11 @@ from typing import Any, ClassVar
 
 import attrs
 
-from ...errors import InputError, unknown_name
+from ...base import InputError, Registry, unknown_name
 from ...frames import EyeImage, Needs
 from ...frames.layers import readable
 from ...gpu import Gpu
 from ...gpu.textures import COLOUR, SCALAR, Canvas, Owner, allocate, bind_images
-from ...registry import Registry
 from ...scenes import Mesh, Scene
 from ..carry import Carry
 from ..client_scene import ClientScene

@@ -9,7 +9,7 @@ import attrs
 import moderngl
 import numpy as np
 
-from ...errors import PlanError
+from ...base import PlanError
 from ...frames import EyeImage, Mirrored, Needs, Others
 from ...geometry import View, view_map
 from ...geometry.view import mirrors_in_eye, tangents_of_pixels

@@ -13,7 +13,7 @@ import attrs
 import moderngl
 import numpy as np
 
-from ...errors import InputError, MachineError
+from ...base import InputError, MachineError
 from ...frames import EyeImage, Needs
 from ...geometry import Pose, RigidState, View, WarpMap, view_map
 from ...gpu import Gpu

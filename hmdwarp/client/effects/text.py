@@ -10,8 +10,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ...colour import linear_from_srgb
-from ...errors import InputError, PlanError
+from ...base import InputError, PlanError, linear_from_srgb
 from ...frames import Needs
 from ...frames.layers import Inbox
 from ...frames.layers.panels import UNREADABLE, PanelDelivery, picture_in, places_in, showing_in

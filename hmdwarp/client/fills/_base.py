@@ -8,11 +8,10 @@ from typing import Any, ClassVar
 import moderngl
 import numpy as np
 
-from ...errors import InputError
+from ...base import InputError, NoSettings
 from ...frames import Needs
 from ...gpu import Compute, Gpu
 from ...gpu.textures import SCALAR, Canvas, Owner, allocate, bind_images, tiles
-from ...options import NoSettings
 from ..client_scene import ClientScene, DrawnModel, ReducedModel
 from ..inputs import PassInputs, ShownPicture
 

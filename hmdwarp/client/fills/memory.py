@@ -11,7 +11,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError
+from ...base import InputError
 from ...frames import EyeImage, Needs
 from ...geometry import View, view_map
 from ...geometry.cube import COARSER

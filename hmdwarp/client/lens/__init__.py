@@ -10,7 +10,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError
+from ...base import InputError
 from ...geometry import Fov, Hidden
 from ...gpu import Compute, Gpu
 from ...gpu.textures import Canvas, Owner, bind_images

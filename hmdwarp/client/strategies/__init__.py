@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from ...errors import InputError
-from ...registry import Registry
+from ...base import InputError, Registry
 
 # Options that may differ between strategies on the same late frames.
 _OF_SHARED_FRAMES = {"warp", "fill", "effects", "indirect"}

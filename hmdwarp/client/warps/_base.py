@@ -12,14 +12,12 @@ import moderngl
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...colour import linear_from_srgb
-from ...errors import InputError
+from ...base import InputError, NoSettings, linear_from_srgb
 from ...frames import Needs
 from ...frames.layers import PICTURE
 from ...geometry import Fovea, View
 from ...gpu import Compute, Gpu
 from ...gpu.textures import SCALAR, Canvas, Owner, allocate, download, upload
-from ...options import NoSettings
 from ...scenes import Scene
 from ..client_scene import ClientScene
 from ..inputs import PassInputs

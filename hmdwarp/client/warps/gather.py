@@ -12,14 +12,13 @@ import attrs
 import moderngl
 import numpy as np
 
-from ...errors import PlanError
+from ...base import NoSettings, PlanError
 from ...frames import EyeImage, Needs
 from ...frames.layers.pictures import FoveatedPicture
 from ...geometry import FoveaGrid, Pose, View, WarpMap, face_views, view_map
 from ...gpu import Compute
 from ...gpu.hidden import Grid
 from ...gpu.textures import Canvas, bind_images
-from ...options import NoSettings
 from ..inputs import PassInputs
 from ..lens import bind_texels
 from ..settings import limited

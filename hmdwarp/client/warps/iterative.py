@@ -11,7 +11,7 @@ import attrs
 import moderngl
 import numpy as np
 
-from ...errors import InputError
+from ...base import InputError
 from ...frames import EyeImage, Needs, Others
 from ...geometry import Fov, Hidden, WarpMap, view_map
 from ...gpu import Gpu

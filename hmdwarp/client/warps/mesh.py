@@ -12,7 +12,7 @@ import attrs
 import moderngl
 import numpy as np
 
-from ...errors import InputError, MachineError
+from ...base import InputError, MachineError
 from ...frames import EyeImage
 from ...geometry import View, WarpMap, view_map
 from ...gpu import Compute, Gpu

@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 import attrs
 import moderngl
 
-from ...errors import PlanError
+from ...base import PlanError
 from ...frames import Needs
 from ...frames.layers.scene_parts import Delivery, Simplified
 from ...geometry import View, view_map

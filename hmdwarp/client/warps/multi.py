@@ -14,7 +14,7 @@ import attrs
 import moderngl
 import numpy as np
 
-from ...errors import InputError, PlanError
+from ...base import InputError, PlanError
 from ...frames import EyeImage, Needs, Others
 from ...geometry import View, WarpMap, view_map
 from ...gpu import Gpu

@@ -11,7 +11,7 @@ from typing import Any
 
 import moderngl
 
-from ...errors import MachineError
+from ...base import MachineError
 from ...gpu import WANTED
 from .. import Closed
 from .window_system import ScreenHandle, Size, VideoMode, WindowHandle, last_error, window_size

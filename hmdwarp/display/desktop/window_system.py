@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import attrs
 
-from ...errors import InputError, MachineError
+from ...base import InputError, MachineError
 from ...geometry import Eyes, Fov, Pose, View
 from ...headsets import Headset
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import xr
 
-from ...errors import InputError, MachineError
+from ...base import InputError, MachineError
 from ...geometry import Pose
 from .. import Command
 from ..controls import MOVED, Control

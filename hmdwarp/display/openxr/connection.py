@@ -14,8 +14,7 @@ import numpy as np
 import xr
 from numpy.typing import NDArray
 
-from ...colour import srgb8_from_linear
-from ...errors import InputError, MachineError
+from ...base import InputError, MachineError, srgb8_from_linear
 from ...geometry import View
 from ...gpu import Gpu, depth_framebuffer
 from .. import Closed, DisplayOptions

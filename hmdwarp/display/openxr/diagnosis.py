@@ -8,10 +8,9 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from ...errors import InputError, MachineError
-from ...options.documents import DocumentError, parse_json
-from ...options.named_files import FACTS, content_of
-from ...resources import install_line
+from ...base import InputError, MachineError, install_line
+from ...base.documents import DocumentError, parse_json
+from ...base.named_files import FACTS, content_of
 
 RUNTIME_LABEL = "the OpenXR runtime"  # named in plans as what corrects the lens and reads depth
 INSTALL = "Debian, Ubuntu: sudo apt-get install"

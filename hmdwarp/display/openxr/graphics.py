@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import attrs
 import xr
 
-from ...errors import InputError, MachineError
+from ...base import InputError, MachineError
 from ...gpu.context import WANTED, Gpu, create_context
 from ..controls import CONTROLS, Control
 from .diagnosis import EGL_EXTENSION, OPENGL_EXTENSION

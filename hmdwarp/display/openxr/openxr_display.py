@@ -11,7 +11,7 @@ import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ...errors import HmdwarpError, MachineError
+from ...base import HmdwarpError, MachineError
 from ...pipeline import Refresh
 from .. import Command, DisplayOptions, Label, Status, Tick
 from ..present import Presenter

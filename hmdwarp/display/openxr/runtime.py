@@ -14,9 +14,8 @@ import attrs
 import xr
 from xr import raw_functions
 
-from ...errors import HmdwarpError, MachineError
+from ...base import HmdwarpError, MachineError, __version__
 from ...geometry import Polygon
-from ...resources import __version__
 from ...scenes import MOST_PANELS
 from .. import Closed, Lost
 from .diagnosis import (

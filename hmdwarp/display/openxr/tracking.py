@@ -10,7 +10,7 @@ from operator import attrgetter
 
 import xr
 
-from ...errors import InputError
+from ...base import InputError
 from ...geometry import Fov, Hidden, Polygon, Pose, View
 from ...poses import Origin, PoseSample
 from .runtime import FLOOR_EXTENSION, Calls, Instance

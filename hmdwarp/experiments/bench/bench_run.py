@@ -16,10 +16,13 @@ from typing import Any
 
 import attrs
 
+from ...base import PAPER, HmdwarpError, InputError, MachineError, import_extra, memory_bytes
+from ...base.documents import json_in
+from ...base.identity import hash_of_files, program_hash
+from ...base.named_files import RESULTS
 from ...client import needs_of
 from ...client.capability import lacking
 from ...client.classes import Client, load_client
-from ...errors import HmdwarpError, InputError, MachineError
 from ...gpu import Gpu
 from ...headsets import Headset
 from ...metrics import (
@@ -35,19 +38,13 @@ from ...metrics import (
     db_of,
     pooled,
 )
-from ...options import PAPER
-from ...options.documents import json_in
-from ...options.identity import hash_of_files, program_hash
-from ...options.named_files import RESULTS
 from ...pipeline import Source
 from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.sizes import build_plan_for
-from ...platforms import memory_bytes
 from ...report import SCHEMA, OutputFolder, summary_faults, write_paper
 from ...report.bench.crops import Crops, packed, unpacked
 from ...report.bench.page import bench_page
 from ...report.bench.rows import COLUMNS, Columns, cases, first_cases, row_name, table_of
-from ...resources import import_extra
 from ...run import ReplayRun, measuring, set_up_replay
 from ...run.options import refuse_one_name
 from ...run.run_summary import machine_of, summary_of_rows

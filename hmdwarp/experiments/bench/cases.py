@@ -9,18 +9,17 @@ from typing import Any
 
 import attrs
 
+from ...base import MachineError, PlanError, listed
 from ...client import every_baseline, every_warp, fill_text, parse_fills, parse_warp
 from ...client.effects import effects
 from ...client.plan import CLIENT_MODEL, OTHERS, Plan, build_plan
 from ...client.strategies import has_own_link, options_of_strategy
 from ...client.warps import warps
-from ...errors import MachineError, PlanError, listed
 from ...frames.layers import PICTURE, layers
 from ...geometry import Fovea
 from ...headsets import Headset
 from ...link import LinkOptions
-from ...options import guard_band
-from ...pipeline import PipelineOptions, Source
+from ...pipeline import PipelineOptions, Source, guard_band
 from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.sizes import build_plan_for, check_suited, guarded_size
 from ...poses import LoadedTrace, PoseTrack, load_trace

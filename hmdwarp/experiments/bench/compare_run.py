@@ -13,16 +13,15 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base import PAPER, InputError, PlanError
 from ...client import Plan
 from ...client.capability import lacking
 from ...client.classes import Client, load_client
 from ...client.strategies import options_of_strategy, strategies
-from ...errors import InputError, PlanError
 from ...frames import EyeSizes, frame_bytes, video_pixels
 from ...link import LinkOptions
 from ...link.codec import codecs
 from ...metrics import MeasuringThreads, at_instants
-from ...options import PAPER
 from ...pipeline import build_plan_for, source_of
 from ...report import png_bytes, write_paper
 from ...report.bench.rows import first_cases

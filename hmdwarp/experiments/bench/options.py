@@ -8,14 +8,11 @@ from typing import Any
 
 import attrs
 
-from ...client.classes import PICTURE_CLIENT
-from ...errors import InputError
-from ...link import LinkOptions
-from ...link.codec import Coding
-from ...options import (
+from ...base import (
     DEFAULT_GUARD,
     Declared,
     Guard,
+    InputError,
     Number,
     PaperOptions,
     force_field,
@@ -30,6 +27,9 @@ from ...options import (
     several,
     split_names,
 )
+from ...client.classes import PICTURE_CLIENT
+from ...link import LinkOptions
+from ...link.codec import Coding
 from ...poses.options import DEFAULT_PREDICTOR, PREDICTORS
 from ...run import RunOptions
 from ...scenes import EXTRAPOLATED

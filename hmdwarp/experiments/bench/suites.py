@@ -10,7 +10,7 @@ from typing import Any
 
 import attrs
 
-from ...errors import InputError, unknown_name
+from ...base import InputError, unknown_name
 
 # Halves of scenes and heads.
 FIT, HELD_OUT = "fit", "held_out"

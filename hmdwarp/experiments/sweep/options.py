@@ -9,8 +9,7 @@ from typing import Any, ClassVar
 
 import attrs
 
-from ...errors import InputError
-from ...options import Declared, force_field, group, option, option_of, same_as
+from ...base import Declared, InputError, force_field, group, option, option_of, same_as
 from ...poses import TraceOptions
 from ...run.options import RunOptions, recordings_field
 from ...scenes import SceneOptions

@@ -23,16 +23,14 @@ from typing import Any
 
 import attrs
 
-from ...errors import HmdwarpError, InputError, MachineError
+from ...base import HmdwarpError, InputError, MachineError, __version__, import_extra, lock
+from ...base.documents import json_in
+from ...base.identity import identity_of, program_hash
+from ...base.named_files import RESULTS
 from ...gpu.context import contexts_kept
 from ...metrics import MeasuringThreads, worker_count
-from ...options.documents import json_in
-from ...options.identity import identity_of, program_hash
-from ...options.named_files import RESULTS
-from ...platforms import lock
 from ...report import SCHEMA, OutputFolder, write_bytes, write_json
 from ...report.bench.rows import Column, table_of
-from ...resources import __version__, import_extra
 from .options import LOCAL, ClusterOptions, ExperimentOptions, KeptOptions
 
 FOLDER = "cases"

@@ -16,9 +16,8 @@ from typing import Any
 
 import attrs
 
-from ...errors import InputError, unknown_name
+from ...base import InputError, option, out_field, same_as, unknown_name
 from ...link.codec import EXACT
-from ...options import option, out_field, same_as
 from ...run import RunOptions
 from ..sweep.options import ExperimentOptions, own_first
 

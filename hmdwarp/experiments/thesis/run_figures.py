@@ -13,11 +13,11 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base import picture_from_linear
 from ...client import needs_of
 from ...client.capability import lacking
 from ...client.classes import load_client
 from ...client.strategies import strategies
-from ...colour import picture_from_linear
 from ...geometry import View, WarpMap
 from ...gpu import download, flip_rows
 from ...headsets import load_headset

@@ -13,8 +13,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base import Registry
 from ...geometry import Fov
-from ...registry import Registry
 
 if TYPE_CHECKING:
     import moderngl

@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import HmdwarpError
+from ...base import HmdwarpError
 from ...geometry import Pose
 from ...scenes import MOST_PANELS, Panel, Texture
 from . import MOST_BUDGET, Delivered, Inbox, Update, between, layers

@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError
+from ...base import InputError
 from ...geometry import Fov, Fovea, FoveaGrid, Mirror, Pose, RigidState, View, cube_size, grid_of, wide_size
 from ..frame import EyeImage
 from . import BRIGHT_VIDEO, DEPTH, OWN, PIXEL_BYTES, VECTORS, EyeSizes, Layer, Rows, Size, Surface, layers

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import attrs
 
-from ...errors import InputError
-from ...options import Declared, names_in, one_of, option
+from ...base import Declared, InputError, names_in, one_of, option
 
 # m/s. Heads that walk: of 1000 instants of the recording `walk`, one is faster than 0.94.
 _HEAD_M_S = 1.0

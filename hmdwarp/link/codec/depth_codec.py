@@ -13,8 +13,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import MachineError
-from ...resources import pyav
+from ...base import MachineError, pyav
 from .codecs import Codec, require
 from .coding import AS_VIDEO, AS_VIDEO8
 from .stream import (

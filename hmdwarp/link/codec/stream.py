@@ -15,10 +15,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...colour import linear_from_srgb, srgb8_from_linear, srgb_from_linear
-from ...errors import InputError, MachineError
-from ...platforms import priority_kept
-from ...resources import pyav
+from ...base import InputError, MachineError, linear_from_srgb, priority_kept, pyav, srgb8_from_linear, srgb_from_linear
 from .codecs import LARGE, Codec, codecs
 from .coding import Coding
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...errors import InputError, in_brief
+from ...base import InputError, in_brief
 from ...geometry import real
 from ...gpu import Gpu
 from ..metric import Input, Metric, metrics

@@ -9,9 +9,7 @@ from typing import IO, Any
 
 import attrs
 
-from ...errors import InputError, TraceError, unknown_name
-from ...registry import Registry
-from ...resources import folder, recording_names
+from ...base import InputError, Registry, TraceError, folder, recording_names, unknown_name
 from ..assumptions import DIRECTION, Assumption, By, Defect, Fact, Layout
 from ..options import TraceOptions
 from ..reading import columns

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...registry import Registry
+from ...base import Registry
 from ..options import PREDICTORS
 from ..track import Origin, PoseSample, PoseTrack, Samples
 

@@ -17,8 +17,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, TraceError
-from ...registry import Registry
+from ...base import InputError, Registry, TraceError
 from .. import quaternions
 from ..assumptions import AXES_BY, DIRECTION, Assumption, By, Fact
 from ..options import DIRECT, INVERSE

@@ -13,7 +13,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import TraceError, are_digits, counted
+from ...base import TraceError, are_digits, counted
 from .. import quaternions
 from ..assumptions import Assumption, By, Defect, Fact, unstated
 from ..options import FRAMES

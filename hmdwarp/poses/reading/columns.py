@@ -20,7 +20,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, TraceError, are_digits
+from ...base import InputError, TraceError, are_digits
 from ..assumptions import By, Defect, Layout
 from ..options import COLUMNS, FRAMES, INVERSE, ROWS, VECTOR, Euler, TraceOptions, parse_euler
 

@@ -21,9 +21,9 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import TraceError, counted
-from ...options.documents import DocumentError, json_in, parse_json
-from ...options.named_files import FACTS, LIST, content_of, text_in
+from ...base import TraceError, counted
+from ...base.documents import DocumentError, json_in, parse_json
+from ...base.named_files import FACTS, LIST, content_of, text_in
 from ..assumptions import By, Defect
 from ..options import Euler
 from .columns import COMMENT_SIGNS, LENGTHS, Made, has_pose, head_rank, names_rotation, rows_text

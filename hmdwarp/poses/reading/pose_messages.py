@@ -13,9 +13,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, BinaryIO
 
-from ...errors import HmdwarpError, TraceError
-from ...options.named_files import BAG, TABLE, most_unpacked, opened, text_in, unpacked
-from ...resources import import_extra
+from ...base import HmdwarpError, TraceError, import_extra
+from ...base.named_files import BAG, TABLE, most_unpacked, opened, text_in, unpacked
 from ..assumptions import Defect
 from .columns import Made, rows_text
 

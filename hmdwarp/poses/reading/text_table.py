@@ -21,8 +21,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import TraceError
-from ...options.named_files import LIST, TRACE, opened
+from ...base import TraceError
+from ...base.named_files import LIST, TRACE, opened
 from ..assumptions import Defect, Layout
 from ..options import VECTOR, TraceOptions
 from .columns import BILLION, COMMENT_SIGNS, DATE, UNITS_NS, Head, Made, is_number

@@ -16,8 +16,8 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...base import Registry
 from ...geometry import Pose
-from ...registry import Registry
 from .._draft import Notes
 from .._gltf_file import GltfFile
 from .._mesh import Ball, Body, Material, Mesh, Quad, Texture, checker

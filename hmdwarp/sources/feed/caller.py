@@ -16,7 +16,7 @@ from typing import Any
 
 import attrs
 
-from ...errors import InputError, MachineError
+from ...base import InputError, MachineError
 from ...geometry import View
 from . import sockets
 from .message import FULL, MOST_BYTES, Ask, FrameMessage, Malformed, Refusal, Unchanged, Wish, decode, encode, token_of

@@ -17,7 +17,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from ...errors import InputError
+from ...base import InputError
 from ...geometry import View, inverse_depth_from_metres
 from ..sequences.recorded import as_pictures
 from . import bounds, message, sockets

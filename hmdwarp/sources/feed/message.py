@@ -12,8 +12,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...colour import linear_from_srgb
-from ...errors import InputError
+from ...base import InputError, linear_from_srgb
 from ...geometry import AHEAD, Fovea, FoveaGrid, Pose, View, looking
 from ...scenes import ACTIONS, InputEvent
 from . import bounds, options, parts

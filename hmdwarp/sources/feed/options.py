@@ -11,9 +11,8 @@ from tempfile import TemporaryDirectory
 
 import attrs
 
-from ...errors import InputError
-from ...options import Declared, Number, one_of, option
-from ...options.named_files import SECRET, opened, text_in
+from ...base import Declared, InputError, Number, one_of, option
+from ...base.named_files import SECRET, opened, text_in
 from .sockets import valid_address, zmq_module
 
 FULL, HALF = _RAW_FORMS = ("full", "half")

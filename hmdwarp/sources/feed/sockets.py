@@ -24,9 +24,7 @@ from typing import Any, Self
 
 import attrs
 
-from ...errors import InputError
-from ...platforms import fcntl, takes_more, termios
-from ...resources import import_extra
+from ...base import InputError, fcntl, import_extra, takes_more, termios
 
 SEAL_BYTES = 8 + 8 + 16 + 1  # what CURVE adds to a message: command, nonce, authenticator, flags (ZeroMQ RFC 26)
 _TCP = re.compile(r"(?:tcp://)?(\[[^\]\s]+\]|[^:/\[\]\s]+):([0-9]+|\*)")

@@ -9,9 +9,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, in_brief
-from ...options import NoSettings, parse_choice
-from ...registry import Registry
+from ...base import InputError, NoSettings, Registry, in_brief, parse_choice
 
 _MODULES = dict.fromkeys(("complete", "edges", "none"), "edges")
 _COLUMNS = "needs settings=Settings source"

@@ -15,11 +15,10 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError
+from ...base import InputError, as_path
+from ...base.documents import json_in
+from ...base.named_files import FACTS, MOST_PIXELS_BYTES, PICTURE_FILE, content_of, named_in
 from ...geometry import Fov, Pose, View
-from ...options import as_path
-from ...options.documents import json_in
-from ...options.named_files import FACTS, MOST_PIXELS_BYTES, PICTURE_FILE, content_of, named_in
 from ...poses.assumptions import Assumption, By, first_stated
 from ...poses.track import UNIT_WITHIN
 from .picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, read_exr, size_of

@@ -8,8 +8,7 @@ from typing import Any
 
 import attrs
 
-from ...errors import InputError
-from ...options import DISPLAY, Declared, Number, names_in, one_of, option, option_of
+from ...base import DISPLAY, Declared, InputError, Number, names_in, one_of, option, option_of
 from .. import sequences
 
 HOLE, FAR = "hole", "far"  # what a pixel without depth is

@@ -16,10 +16,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError
-from ...options import as_path
-from ...options.named_files import MOST_PIXELS_BYTES, PICTURE_FILE, VIDEO, opened
-from ...resources import import_extra, pyav
+from ...base import InputError, as_path, import_extra, pyav
+from ...base.named_files import MOST_PIXELS_BYTES, PICTURE_FILE, VIDEO, opened
 
 EXR, NPY = ".exr", ".npy"
 PICTURES = (".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff", ".webp")

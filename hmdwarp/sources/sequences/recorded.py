@@ -11,8 +11,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...colour import srgb8_from_linear
-from ...errors import InputError
+from ...base import InputError, srgb8_from_linear
 from ...geometry import Fov, Hidden, Pose, View
 from ...gpu import flip_rows
 from ...poses import PoseTrack

@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 import moderngl
 
-from ...errors import InputError, unknown_name
+from ...base import InputError, unknown_name
 from ...frames import EyeImage, Frame, Needs
 from ...frames.layers import PICTURE, layers
 from ...geometry import Fov, Guard, View, guarded_eyes

@@ -13,7 +13,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import SceneError
+from ...base import SceneError
 from ...geometry import Fov, Pose, View
 from ...geometry.cube import FACES, face_views
 from ...gpu import Draw, Gpu, Uniforms

@@ -11,8 +11,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ...colour import srgb8_from_linear
-from ...errors import MachineError
+from ...base import MachineError, srgb8_from_linear
 from ...frames import EyeImage, Frame
 from ...frames.layers import layers
 from ...geometry import Pose, View

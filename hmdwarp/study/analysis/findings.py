@@ -16,12 +16,10 @@ import numpy as np
 import pandas as pd
 from scipy.special import ndtr, stdtrit
 
-from ...errors import InputError
+from ...base import InputError, fields_in, import_extra, parsed, read_by, reads, text_of
+from ...base import Table as Keys
 from ...metrics import PRIMARY, metrics_in_order
-from ...options import Table as Keys
-from ...options import fields_in, parsed, read_by, reads, text_of
 from ...report import counted, listed
-from ...resources import import_extra
 from .. import statistics as st
 from ..design import SHIPPED, Comparison, Family, tables_of
 from ..scales import FIRST, NEITHER, QUESTIONNAIRE, Scale, load_scale, scale_names, score_ranges, scored

@@ -10,7 +10,7 @@ from typing import Any
 
 import attrs
 
-from ...options import PAPER, PaperOptions
+from ...base import PAPER, PaperOptions, __version__, made_with
 from ...report import (
     ALPHA,
     OutputFolder,
@@ -24,7 +24,6 @@ from ...report import (
     study_page,
     write_paper,
 )
-from ...resources import __version__, made_with
 from ..design import SHIPPED, Family
 from ..statistics import friedman, kendalls_w
 from . import findings

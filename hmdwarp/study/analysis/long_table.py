@@ -17,8 +17,7 @@ from typing import Any
 import attrs
 import pandas as pd
 
-from ...errors import InputError
-from ...options import RATINGS, text_in
+from ...base import RATINGS, InputError, text_in
 from ...report import counted, listed, raw_text
 from .. import store as stored
 from ..design import ONLY_PART, SHIPPED, Design, Family, every_scale, load_design

@@ -16,14 +16,11 @@ from typing import Any
 import attrs
 from PIL.Image import Image
 
-from ...display.desktop import WindowView
-from ...errors import InputError, unknown_name
-from ...headsets import FILE_ENDINGS as HEADSET_FILES
-from ...headsets import load_headset
-from ...options import DISPLAY as OF_DISPLAY
-from ...options import PICTURE as OF_PICTURE
-from ...options import (
+from ...base import DISPLAY as OF_DISPLAY
+from ...base import PICTURE as OF_PICTURE
+from ...base import (
     PICTURE_FILE,
+    InputError,
     KeyFault,
     Table,
     as_keys,
@@ -36,7 +33,11 @@ from ...options import (
     read_by,
     reads,
     text_of,
+    unknown_name,
 )
+from ...display.desktop import WindowView
+from ...headsets import FILE_ENDINGS as HEADSET_FILES
+from ...headsets import load_headset
 from ...pipeline import SceneKey, Source, guarded_size
 from ...report import refuse_existing, write_text
 from ...run import EmulatedScreen, LiveOptions, Run, checked_source, on_screen

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError
+from ...base import InputError
 from ..scales import FIRST, NEITHER
 from .definitions import FIXED, PAIR, RANDOM, Design
 

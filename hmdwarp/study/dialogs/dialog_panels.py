@@ -15,7 +15,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...colour import linear_from_srgb
+from ...base import linear_from_srgb
 from ...display import Command, Control, control
 from ..design import Ask, open_picture
 from ..line_console import Question

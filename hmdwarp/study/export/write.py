@@ -20,11 +20,10 @@ from typing import Any, Literal
 import attrs
 import numpy as np
 
-from ...errors import InputError, TraceError
+from ...base import InputError, TraceError, __version__, import_extra, install_line, made_text
 from ...metrics import metrics_in_order
 from ...poses import PoseTrack, load_trace
 from ...report import OutputFolder, counted, inert_text
-from ...resources import __version__, import_extra, install_line, made_text
 from ...run import DESKTOP, OPENXR
 from ...scenes import ACTIONS, InputEvent, inputs_beside, read_inputs
 from .. import store as stored

@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtri
 
+from ...base import InputError, Table, fields_in, parsed, read_by, text_of, unknown_name
 from ...display import Command
-from ...errors import InputError, unknown_name
-from ...options import Table, fields_in, parsed, read_by, text_of
 from ..design import PAIR, Ask, Design, Order, Part, Pause, Read, Show, Step, pair_of, trials_of
 from ..scales import FIRST, NEITHER, PREFERENCE, QUESTIONNAIRE, SECOND, WORDS, Scale
 from ..statistics import JOD_SPREAD

@@ -9,8 +9,7 @@ from typing import Any, Self
 
 import attrs
 
-from ...errors import InputError, unknown_name
-from ...options import Table, fields_in, parsed, quoted, read_by, reads, text_of
+from ...base import InputError, Table, fields_in, parsed, quoted, read_by, reads, text_of, unknown_name
 
 KINDS = (RATING, _SICKNESS, QUESTIONNAIRE, PREFERENCE) = ("rating", "sickness", "questionnaire", "preference")
 # Answers to a preference, and so the numbers of its choices.

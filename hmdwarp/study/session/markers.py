@@ -14,8 +14,7 @@ from typing import Any
 
 import attrs
 
-from ...errors import MachineError
-from ...resources import import_extra
+from ...base import MachineError, import_extra
 
 EXTRA = "lsl"
 _TYPE = "Markers"  # of the stream, by which recorders know it

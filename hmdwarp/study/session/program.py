@@ -13,11 +13,10 @@ from typing import Any
 
 import attrs
 
+from ...base import HmdwarpError, InputError, __version__
 from ...display import Closed, Display
-from ...errors import HmdwarpError, InputError
 from ...pipeline import SceneKey, Source, source_of
 from ...report import counted
-from ...resources import __version__
 from ...run import OFFSCREEN, Driver, Ending, LiveOptions, Watchdog, open_display
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs.dialog_panels import ACTING_CONTROLS, CONTROLS, hints_for

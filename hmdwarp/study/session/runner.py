@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 
 import attrs
 
+from ...base import InputError
 from ...display import MOVED, Closed, Command, Label
-from ...errors import InputError
 from ...pipeline import Refresh, SceneKey, Source
 from ...run import Driver, Ending, Hand, LiveLog, LiveOptions, PipelineHost, Recorder, took_by
 from ...scenes import ACTIONS, InputBook

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import attrs
 
-from ...errors import InputError
-from ...options import Declared, as_path, one_of, option
+from ...base import Declared, InputError, as_path, one_of, option
 from ...run import AUTO_SOURCE, DESKTOP, OFFSCREEN, OPENXR, SOURCES
 from ..line_console import KINDS as CONSOLES
 from ..line_console import LINES

@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError
+from ...base import InputError
 from ..design import ONE, Condition, Design, allot, rows_for
 from ..scales import Scale
 from . import records

@@ -15,8 +15,7 @@ from datetime import datetime
 from pathlib import Path
 from urllib.parse import quote
 
-from ...errors import HmdwarpError, InputError, MachineError
-from ...platforms import NOFOLLOW, lock
+from ...base import NOFOLLOW, HmdwarpError, InputError, MachineError, lock
 from ...report import keep_private, sync
 from ...scenes import inputs_beside
 from ..design import Design

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import attrs
 
-from ...errors import HmdwarpError, InputError, MachineError
+from ...base import HmdwarpError, InputError, MachineError
 from ...report import counted, sync
 from .admission import check_code
 from .database import DATABASE, TRACES, erase_copies, overwrite, transaction, translated

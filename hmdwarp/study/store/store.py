@@ -22,9 +22,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Self
 
-from ...errors import HmdwarpError, InputError
+from ...base import HmdwarpError, InputError, __version__
 from ...report import keep_private
-from ...resources import __version__
 from ..design import Ask, Design, Show
 from . import admission, database, records
 from .database import DATABASE, TRACES, Lock, transaction, translated

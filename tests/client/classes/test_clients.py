@@ -10,11 +10,11 @@ import pytest
 from together import together
 
 import hmdwarp.client.classes
+from hmdwarp.base import InputError, PlanError, UnknownNameError
 from hmdwarp.client import every_fill, every_warp
 from hmdwarp.client.classes import client_names, load_client
 from hmdwarp.client.fills import fills
 from hmdwarp.client.warps import warps
-from hmdwarp.errors import InputError, PlanError, UnknownNameError
 from hmdwarp.frames.layers import layers
 from hmdwarp.gpu import Gpu, ShaderLibrary, flatten
 from hmdwarp.link.codec import Coding

@@ -7,9 +7,9 @@ from pathlib import Path
 import attrs
 import pytest
 
+from hmdwarp.base import folder
 from hmdwarp.experiments.bench import BenchOptions, bench
 from hmdwarp.experiments.sweep import KeptOptions
-from hmdwarp.resources import folder
 
 TINY = BenchOptions(
     warps=("rotation",), fills=("none",), latencies_ms=(50.0, 100.0), scenes=("planes",), sizes=((48, 40),),

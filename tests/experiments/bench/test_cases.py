@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from replays import small
 
+from hmdwarp.base import Choice, InputError, MachineError
 from hmdwarp.client import parse_fills
 from hmdwarp.client.warps import warps
-from hmdwarp.errors import InputError, MachineError
 from hmdwarp.experiments.bench import BenchOptions
 from hmdwarp.experiments.bench.cases import (
     WITH_COMPLETE_FILLS,
@@ -26,7 +26,6 @@ from hmdwarp.experiments.bench.cases import (
     warps_of,
 )
 from hmdwarp.frames import Needs, Others
-from hmdwarp.options import Choice
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.run import Combination, set_up_replay
 from hmdwarp.run.measuring import OUTSIDE, batches, frames_used, instants_of, missing, refreshes

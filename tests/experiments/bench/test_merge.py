@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from commands import hmdwarp
 
-from hmdwarp.errors import InputError, MachineError
+from hmdwarp.base import InputError, MachineError
 from hmdwarp.experiments.bench import MergeOptions, bench, merge
 from hmdwarp.experiments.bench import read as read_rows
 from hmdwarp.experiments.bench.bench_run import NAMES

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from recorded_folders import taken, write_npz
 
-from hmdwarp.errors import InputError, PlanError
+from hmdwarp.base import InputError, PlanError
 from hmdwarp.experiments.bench import BenchOptions, bench
 from hmdwarp.experiments.bench.cases import combinations_of
 from hmdwarp.image import usable_warps

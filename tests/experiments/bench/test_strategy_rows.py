@@ -8,8 +8,8 @@ import attrs
 import pytest
 from replays import replayed, scene_for
 
+from hmdwarp.base import PlanError
 from hmdwarp.client.strategies import has_own_link, strategies
-from hmdwarp.errors import PlanError
 from hmdwarp.experiments.bench import bench
 from hmdwarp.experiments.bench.cases import combinations_of, common_start_s
 from hmdwarp.experiments.bench.options import FILLS

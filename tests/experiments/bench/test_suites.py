@@ -9,15 +9,14 @@ import numpy as np
 import pytest
 from recorded_folders import taken, write_npz
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError, recording_names
+from hmdwarp.base.identity import hash_of_files
 from hmdwarp.experiments.bench import BenchOptions
 from hmdwarp.experiments.bench.bench_run import further
 from hmdwarp.experiments.bench.suite_means import clustered_interval, over_all, ranks_of, suite_entry
 from hmdwarp.experiments.bench.suites import half_of, halves, suites
-from hmdwarp.options.identity import hash_of_files
 from hmdwarp.poses import KINDS
 from hmdwarp.report.bench.page import bench_page
-from hmdwarp.resources import recording_names
 
 T_OF_2 = 4.302653  # Student's t, 97.5 %
 

@@ -16,10 +16,10 @@ from recorded_folders import taken, write_npz
 from replays import scene_for
 from report_tables import chosen_markdown, compare_markdown
 
+from hmdwarp.base import InputError
 from hmdwarp.client import build_plan
 from hmdwarp.client.classes import client_names, load_client
 from hmdwarp.client.strategies import strategies
-from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import CompareOptions, compare
 from hmdwarp.experiments.bench.compare_run import client_bytes, decoded_mpx_s, start_bytes, unfit
 from hmdwarp.experiments.bench.suite_means import compared_entry, over_all

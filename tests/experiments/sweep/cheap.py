@@ -18,7 +18,7 @@ from pathlib import Path
 
 import attrs
 
-from hmdwarp.errors import HmdwarpError, InputError
+from hmdwarp.base import HmdwarpError, InputError
 from hmdwarp.experiments.sweep import KeptOptions, Result, SweepCase, Swept, run_cases
 
 SECONDS = 0.02

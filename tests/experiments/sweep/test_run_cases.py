@@ -7,10 +7,10 @@ from collections import Counter
 
 import pytest
 
-from hmdwarp.errors import InputError, MachineError
+from hmdwarp.base import InputError, MachineError
+from hmdwarp.base.identity import identity_of
 from hmdwarp.experiments.sweep import KeptOptions, run_cases
 from hmdwarp.experiments.sweep.sweep_case import held
-from hmdwarp.options.identity import identity_of
 
 from .cheap import Cheap, cases, sweep
 

@@ -6,8 +6,8 @@ import re
 
 import pytest
 
+from hmdwarp.base import UnknownNameError
 from hmdwarp.client import parse_fills, parse_warp
-from hmdwarp.errors import UnknownNameError
 from hmdwarp.experiments.thesis.experiment import (
     SPEEDS_DEG_S,
     SPEEDS_M_S,

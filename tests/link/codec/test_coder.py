@@ -12,8 +12,14 @@ import attrs
 import numpy as np
 import pytest
 
-from hmdwarp.colour import linear_from_srgb, picture_from_linear, srgb_from_linear
-from hmdwarp.errors import InputError, MachineError, UnknownNameError
+from hmdwarp.base import (
+    InputError,
+    MachineError,
+    UnknownNameError,
+    linear_from_srgb,
+    picture_from_linear,
+    srgb_from_linear,
+)
 from hmdwarp.link.codec import (
     Codec,
     Coding,

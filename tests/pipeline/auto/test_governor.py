@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.errors import HmdwarpError, InputError
+from hmdwarp.base import HmdwarpError, InputError
 from hmdwarp.pipeline import QualityLevel
 from hmdwarp.pipeline.governor import BACK_OFF, PATIENCE, SETTLING, WINDOW, Governor
 from hmdwarp.pipeline.levels import best_within, levels_from

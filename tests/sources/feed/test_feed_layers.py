@@ -7,7 +7,7 @@ import attrs
 import numpy as np
 import pytest
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.frames import EyeImage, Frame, Needs
 from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import Fov, Mirror, Pose, RigidState, View

@@ -12,8 +12,7 @@ import attrs
 import numpy as np
 import pytest
 
-from hmdwarp.colour import srgb8_from_linear
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError, srgb8_from_linear
 from hmdwarp.geometry import Fov, Fovea, FoveaGrid, Hidden, Pose, looking
 from hmdwarp.link.codec import Undecodable
 from hmdwarp.pipeline.feed_coding import FeedDecoder, FeedEncoder, depth_error, grids_of

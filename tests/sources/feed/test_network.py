@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from serving import Serving
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.headsets import load_headset
 from hmdwarp.pipeline.remote import Remote, is_another_view

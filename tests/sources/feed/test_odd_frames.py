@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hmdwarp.errors import MachineError
+from hmdwarp.base import MachineError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.run import LiveOptions, live
 from hmdwarp.sources.feed import caller

@@ -16,9 +16,8 @@ from run.offscreen import OffscreenDisplay, run_on
 from serving import Serving
 
 from hmdwarp import feed
-from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.base import InputError, srgb8_from_linear
 from hmdwarp.display import Closed, Command
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.headsets import load_headset

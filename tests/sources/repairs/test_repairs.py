@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp import Pose, warp_image
-from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.base import InputError, UnknownNameError
 from hmdwarp.metrics import psnr
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.repairs import parse_repairs, repairs

@@ -13,7 +13,7 @@ from PIL import Image
 from recorded_folders import taken
 from ros_bags import form_of
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.poses.assumptions import By
 from hmdwarp.sources import sequences
 from hmdwarp.sources.sequences import Sequence, SequenceOptions

@@ -19,7 +19,7 @@ import pytest
 from recorded_folders import AS_TUM, CX, CY, FX, FY, MILLIMETRES, SIZE, fov_of, taken, write_npz
 from ros_bags import FORMS, HAS_ROSBAGS, write_ros1, write_ros2
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.sources import sequences
 from hmdwarp.sources.sequences import SequenceOptions, about_sky, about_unit, depth_notes, parse_intrinsics
 from hmdwarp.sources.sequences.frame_files import camera_of

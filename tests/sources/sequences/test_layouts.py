@@ -16,7 +16,7 @@ from recorded_folders import AS_TUM, LAYOUTS, MILLIMETRES, MIRRORED, REAL, REAL_
 from ros_bags import FORMS, Logged, Messages, form_of, logged, write_bag, write_ros2
 
 from hmdwarp import WarpMap
-from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.base import InputError, UnknownNameError
 from hmdwarp.poses import Origin, load_trace
 from hmdwarp.poses.assumptions import By
 from hmdwarp.sources import sequences

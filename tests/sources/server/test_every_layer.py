@@ -9,7 +9,7 @@ import pytest
 from golden_pictures import assert_golden, sheet
 from worlds import read
 
-from hmdwarp.errors import InputError, MachineError, SceneError, UnknownNameError
+from hmdwarp.base import InputError, MachineError, SceneError, UnknownNameError
 from hmdwarp.frames import Mirrored, Needs
 from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import Fov, Pose, View

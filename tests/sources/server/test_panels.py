@@ -11,10 +11,10 @@ import pytest
 from client_scene import ClientScene
 from worlds import read
 
+from hmdwarp.base import InputError
 from hmdwarp.client import PassInputs, ShownPicture
 from hmdwarp.client.effects import Tools
 from hmdwarp.client.effects.text import KeptPanels, PanelsPass
-from hmdwarp.errors import InputError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
 from hmdwarp.frames.layers.panels import PanelDelivery, Panels

@@ -14,7 +14,7 @@ import attrs
 import pytest
 from together import together
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.report import study_page
 from hmdwarp.study.analysis.findings import claims_for
 from hmdwarp.study.analysis.full_analysis import analyse, analysis_folder, write_analysis

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from together import together
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.report import p_text, signed
 from hmdwarp.study.analysis.findings import MEASURES, claims_for, correlation_data, load_claims
 from hmdwarp.study.analysis.full_analysis import analyse

@@ -16,7 +16,7 @@ from scipy import stats
 from statsmodels.formula.api import ols
 from statsmodels.stats.anova import anova_lm
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.study.analysis.findings import Resampling, families_for, load_claims, order_effects, preference_results
 from hmdwarp.study.analysis.full_analysis import analyse, said_of_preferences
 from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo, SourceOptions, from_csv, ratings_from_all

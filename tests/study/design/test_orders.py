@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from together import together
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.study.design import Condition, Design, Part, allot, design_from_text, pair_of, rows_for, tables_of
 from hmdwarp.study.design.definitions import FIXED, RANDOM, WILLIAMS
 from hmdwarp.study.design.orders import RANDOM_ROWS, every_pair, presented, williams

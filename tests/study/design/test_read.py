@@ -18,9 +18,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hmdwarp.base import InputError
+from hmdwarp.base.named_files import OUTSIDE
 from hmdwarp.cli import runs as live_command
-from hmdwarp.errors import InputError
-from hmdwarp.options.named_files import OUTSIDE
 from hmdwarp.run import LiveOptions
 from hmdwarp.study.design import (
     DISPLAY,

@@ -18,7 +18,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from together import together
 
-from hmdwarp.errors import InputError, MachineError
+from hmdwarp.base import InputError, MachineError
 from hmdwarp.poses import PoseTrack
 from hmdwarp.report import raw_text
 from hmdwarp.study.design import Show, design_from_text, load_design, steps_of

@@ -13,7 +13,7 @@ from scipy.special import ndtr
 from scipy.stats import kstest
 from together import together
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.study.design import Ask, Sickness, load_design, rows_for, steps_of, write_new_plan
 from hmdwarp.study.respondents import (
     RatingModel,

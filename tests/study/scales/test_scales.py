@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from together import together
 
-from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.base import InputError, UnknownNameError
 from hmdwarp.study.design import Ask
 from hmdwarp.study.dialogs.dialog_panels import KEYS, QuestionDialog
 from hmdwarp.study.scales import (

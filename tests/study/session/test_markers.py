@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 from run.offscreen import PERIOD_NS
 
+from hmdwarp.base import MachineError
 from hmdwarp.display.offscreen import AHEAD
-from hmdwarp.errors import MachineError
 from hmdwarp.study.dialogs.dialog_panels import MessagePanel
 from hmdwarp.study.session.markers import MarkerStream
 

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from run.offscreen import PERIOD_NS, RATE_HZ
 
+from hmdwarp.base import InputError, MachineError
 from hmdwarp.display import DisplayOptions, OffscreenDisplay
-from hmdwarp.errors import InputError, MachineError
 from hmdwarp.poses import load_trace
 from hmdwarp.run import Lines
 from hmdwarp.study import actual

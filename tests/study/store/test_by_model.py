@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, initialize, invariant, precondition, rule
 
-from hmdwarp.errors import HmdwarpError, InputError
+from hmdwarp.base import HmdwarpError, InputError
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, UNCONSENTED, Store
 
 from .sessions import asks, begun, design, shows

@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 from together import together
 
-from hmdwarp.errors import InputError, MachineError
+from hmdwarp.base import InputError, MachineError
 from hmdwarp.study.store import COPY, DATABASE, Contents, Store
 
 from .sessions import asks, begun, go_through, sql, whole

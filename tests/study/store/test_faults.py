@@ -18,7 +18,7 @@ from datetime import timedelta
 import needs
 import pytest
 
-from hmdwarp.errors import InputError, MachineError
+from hmdwarp.base import InputError, MachineError
 from hmdwarp.study.store import COMPLETE, DATABASE, INTERRUPTED, Store
 
 from .sessions import SetClock, answered, asks, begun, child, sql, whole

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from together import together
 
-from hmdwarp.errors import InputError
+from hmdwarp.base import InputError
 from hmdwarp.study.design import design_from_text, load_design
 from hmdwarp.study.store import (
     COMPLETE,

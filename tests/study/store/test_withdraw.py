@@ -11,7 +11,7 @@ import sys
 
 import pytest
 
-from hmdwarp.errors import HmdwarpError, InputError, MachineError
+from hmdwarp.base import HmdwarpError, InputError, MachineError
 from hmdwarp.scenes import inputs_beside
 from hmdwarp.study.store import COMPLETE, COPY, Store
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from ....resources import install_line
+from ....base import install_line
 
 PANEL_REMEDY = install_line("panel")
 WIDTH = 330  # of the panel in pixels, at a content scale of 1

@@ -7,9 +7,7 @@ from typing import Literal
 
 import attrs
 
-from ....errors import MachineError
-from ....registry import Registry
-from ....resources import pyav
+from ....base import MachineError, Registry, pyav
 
 LARGE = 1 << 20
 

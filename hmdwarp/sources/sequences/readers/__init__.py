@@ -30,14 +30,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from ....errors import InputError, are_digits
+from ....base import InputError, Registry, are_digits, as_path
+from ....base.named_files import LIST, enter, text_in
 from ....geometry import Pose
-from ....options import as_path
-from ....options.named_files import LIST, enter, text_in
 from ....poses import PoseTrack
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.axes import Axes, parse_axes
-from ....registry import Registry
 from .. import recorded
 from ..frame_files import Camera, Size, camera_of, floats_in, read_json, scale_of
 from ..options import LAYOUTS, MASK, RATE_HZ, SequenceOptions

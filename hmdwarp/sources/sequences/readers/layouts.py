@@ -17,9 +17,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ....colour import linear_from_srgb
-from ....errors import InputError, are_digits, listed
-from ....options.named_files import FACTS, LIST, PICTURE_FILE, TABLE, content_of, enter, named_in, opened, text_in
+from ....base import InputError, are_digits, linear_from_srgb, listed
+from ....base.named_files import FACTS, LIST, PICTURE_FILE, TABLE, content_of, enter, named_in, opened, text_in
 from ....poses import LoadedTrace, Origin, TraceOptions, load_trace
 from ....poses.assumptions import AXES_BY, Assumption, By, first_stated
 from ....poses.formats import find_format

@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....errors import InputError
+from ....base import InputError
 from ....poses import Origin, PoseTrack
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.pose_messages import Bag, bag_at, part_of, stamp_ns

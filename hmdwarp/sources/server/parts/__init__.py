@@ -13,12 +13,12 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from ....base import Registry
 from ....frames import EyeImage, Needs
 from ....frames.layers import layers
 from ....geometry import View
 from ....gpu import Gpu
 from ....gpu.textures import COLOUR, SCALAR, Owner, allocate
-from ....registry import Registry
 from ....scenes import Scene
 from ..passes import ScenePasses, SceneTextures
 from ..targets import MOST_SETTINGS, Framebuffers, LastUsed, Renderer, Target

@@ -15,7 +15,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ....errors import InputError
+from ....base import InputError
 from ....frames import BodyIds, EyeImage, Needs
 from ....frames.layers import Outbox, Update
 from ....frames.layers.pictures import FoveatedPicture

@@ -15,9 +15,8 @@ from typing import Any, ClassVar, Generic, Self, TypeVar, get_type_hints
 
 import attrs
 
-from .. import geometry
-from ..errors import InputError, in_brief, listed
-from ..registry import Registry, own_entries
+from .errors import InputError, in_brief, listed
+from .registry import Registry, own_entries
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _FAMILY = re.compile(r'dict\.fromkeys\(\s*\(([^)]*)\),\s*"(\w+)"')
@@ -406,13 +405,6 @@ def guard_field(default: Any, more: str = "", /, **about: Any) -> Any:
     about = {"kind": str, "default": None, "numeric": True, "parse": parse_guard, "limits": _FACTORS, **about}
     said = f" [default: {default:g}]" if isinstance(default, float) else ""
     return option(default, f"{_HELP}{more}{said}", valid=check, **about)
-
-
-def guard_band(guard: Guard | str) -> geometry.GuardBand:
-    """Return the guard band of the option. Errors: InputError while it is "auto"."""
-    if isinstance(guard, str):
-        raise InputError("--guard auto looks at a whole trace first: give a number, or replay a recording")
-    return geometry.GuardBand.of(guard)
 
 
 PAPER_TABLES, PLOTS = {"latex": "tex", "markdown": "md"}, ("svg", "pdf")

@@ -1,4 +1,6 @@
-"""Options, each declared once, where it is used, as a field of an attrs class.
+"""What every part may use: errors, registries, colour, and options.
+
+An option is declared once, where it is used, as a field of an attrs class.
 
 The command line, the keys of a study's file, the help and the table of `hmdwarp list options` are
 made from the declarations. A message about an option names it as the command line does

@@ -139,5 +139,5 @@ def _entry_points(group: str) -> dict[str, importlib.metadata.EntryPoint]:
 @functools.cache
 def own_entries(group: str) -> dict[str, str]:
     """Return the modules of entries that packages of hmdwarp add to others' registries, by name."""
-    tables = [tomllib.loads(path.read_text("utf-8")) for path in Path(__file__).parent.glob("*/entry_points.toml")]
+    tables = [tomllib.loads(path.read_text("utf-8")) for path in Path(__file__).parents[1].glob("*/entry_points.toml")]
     return {name: module for table in tables for name, module in table.get(group.removeprefix("hmdwarp."), {}).items()}

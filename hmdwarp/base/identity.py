@@ -15,12 +15,12 @@ from urllib.parse import unquote
 
 import attrs
 
-from ..errors import InputError
-from ..resources import __version__
-from ..resources import folder as resource_folder
 from .declared import HOW
 from .documents import json_in
+from .errors import InputError
 from .named_files import BAG, BESIDE, GLTF, content_of, opened
+from .resources import __version__
+from .resources import folder as resource_folder
 
 # What neither draws nor measures a picture: a change there leaves most results as they are.
 _NOT_OF_RESULTS = ("cli/", "display/", "report/", "experiments/sweep/", "experiments/thesis/thesis")

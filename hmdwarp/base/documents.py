@@ -17,8 +17,8 @@ from typing import Any, TypeVar
 
 import attrs
 
-from ..errors import InputError, listed
 from .declared import Number
+from .errors import InputError, listed
 from .named_files import FACTS, TABLE, FileKind, content_of, text_in
 
 MOST_DEPTH = 100  # of lists and tables in each other; what is read by recursion stays far from Python's 1000

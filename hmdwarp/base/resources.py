@@ -16,7 +16,7 @@ from .errors import MachineError
 
 __version__ = "0.2.0"
 
-_PACKAGE = Path(__file__).resolve().parent
+_PACKAGE = Path(__file__).resolve().parents[1]
 
 
 @functools.cache

@@ -16,9 +16,9 @@ from typing import Any, BinaryIO, cast
 
 import attrs
 
-from ..errors import InputError, SceneError, TraceError
-from ..platforms import open_checked
 from .declared import Option
+from .errors import InputError, SceneError, TraceError
+from .platforms import open_checked
 
 OUTSIDE = Option(
     "Open files outside of the folder of the file that names them, too.", bool, False, name="allow_outside"
