@@ -29,8 +29,9 @@ SIZE, LOW = (320, 240), (160, 120)  # of colour; of vectors and depth
 NEAR, FAR = 0.1, 1000.0
 SKY_M = FAR  # where a sky lies, as a depth buffer has it
 CONVENTIONS = tuple(
-    product(("ndc", "uv", "pixels"), ("down", "up"), ("current - previous", "previous - current"), ("out", "in"))
-)
+    product(("ndc", "uv", "pixels", "metres"), ("down", "up"), ("current - previous", "previous - current"),
+            ("out", "in"))
+)  # fmt: skip
 HALTON = np.array([(0, -1 / 3), (-0.5, 1 / 3), (0.5, -7 / 9), (-0.75, -1 / 9)]) / 2  # pixels
 
 
@@ -149,8 +150,11 @@ def vectors_of(frame: TrueFrame, before: TrueFrame, convention: tuple[str, str, 
     now, then = frame.now, frame.then
     if jitter == "in":
         now, then = shifted(frame.view, now, frame.jitter), shifted(before.view, then, before.jitter)
-    factor = {"ndc": (1, 1, 1), "uv": (0.5, 0.5, 1), "pixels": (SIZE[0] / 2, SIZE[1] / 2, 1)}[unit]
-    moved = (ndc(frame.view, now) - ndc(before.view, then)) * factor
+    if unit == "metres":
+        moved = (now - then) * (1, -1, 1)
+    else:
+        factor = {"ndc": (1, 1, 1), "uv": (0.5, 0.5, 1), "pixels": (SIZE[0] / 2, SIZE[1] / 2, 1)}[unit]
+        moved = (ndc(frame.view, now) - ndc(before.view, then)) * factor
     return moved * (1, -1 if y == "up" else 1, 1) * (-1 if sign == "previous - current" else 1)
 
 

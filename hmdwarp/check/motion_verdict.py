@@ -25,19 +25,22 @@ from ..geometry import DepthLayer, Fov, Pose, View
 from ..sources.sequences import read_colour, read_depth
 from ..sources.sequences.frame_files import number_of, numbers_of, read_json
 from ..sources.sequences.picture_files import EXR, NPY, read_exr
-from .conventions import Answer, Finding
 from .search import SURE
 
 Array = NDArray[np.float64]
 Size = tuple[int, int]
 FILE = "motion.json"
-NDC, UV, PIXELS = "ndc", "uv", "pixels"
+NDC, UV, PIXELS, METRES = "ndc", "uv", "pixels", "metres"
 DOWN, UP = "down", "up"
 _FORWARD, BACKWARD = "current - previous", "previous - current"
 OUT, IN = "out", "in"
-# What each property of a convention may be; the first is the extension's.
-PROPERTIES = {"unit": (NDC, UV, PIXELS), "y": (DOWN, UP), "sign": (_FORWARD, BACKWARD), "jitter": (OUT, IN)}
-LABELS = {"unit": "unit", "y": "y axis", "sign": "direction", "jitter": "jitter"}
+# Each property of a convention, what it may be, and its name in text; the first is the extension's.
+PROPERTIES = {
+    "unit": ((NDC, UV, PIXELS, METRES), "unit"),
+    "y": ((DOWN, UP), "y axis"),
+    "sign": ((_FORWARD, BACKWARD), "direction"),
+    "jitter": ((OUT, IN), "jitter"),
+}
 _ANGLES = ("angleLeft", "angleRight", "angleDown", "angleUp")
 # Pixels of colour: what is finer differs by sampling alone, what is coarser is light and shadow.
 _BLUR_PX = (1.0, 6.0)
@@ -50,13 +53,13 @@ _PLANES, _INFINITE = ("minDepth", "maxDepth", "nearZ", "farZ"), "Infinity"
 class Convention:
     """What the numbers of motion vectors mean; the default is that of XR_EXT_frame_synthesis."""
 
-    unit: str = NDC  # NDC: -1 to 1; UV: 0 to 1; PIXELS of colour
+    unit: str = NDC  # NDC: -1 to 1; UV: 0 to 1; PIXELS of colour; METRES along the eye's axes
     y: str = DOWN
     sign: str = _FORWARD
     jitter: str = OUT  # whether the sub-pixel jitter of the projections is in the vectors
 
     def __attrs_post_init__(self) -> None:
-        for name, values in PROPERTIES.items():
+        for name, (values, _) in PROPERTIES.items():
             if getattr(self, name) not in values:
                 raise InputError(f"{name} of motion vectors is {getattr(self, name)!r}: expected {', '.join(values)}")
 
@@ -167,9 +170,10 @@ def read_motion(path: Path) -> MotionFrames:
     return MotionFrames(found, Convention(**stated))
 
 
+_KEYS = ("colour", "depth", "motion", "pose", "fov", "displayTime", "subImage", "motionVectorSubImage", "depthSubImage")
 # What a frame is without its key; None: there must be one, or there is none.
 _USUAL: dict[str, Any] = {
-    **dict.fromkeys(("colour", "depth", "motion", "pose", "fov", "displayTime")),
+    **dict.fromkeys(_KEYS),
     "jitter": (0, 0),
     "layerFlags": (),
     "motionVectorScale": (1, 1, 1, 0),
@@ -184,19 +188,21 @@ def _frame(at: str, folder: Path, row: Mapping[str, Any]) -> MotionFrame:
     if unknown := row.keys() - _USUAL.keys():
         raise InputError(f"{at}: {', '.join(sorted(unknown))}: expected the keys of docs/motion.md")
 
-    def picture(key: str, read: Callable[[Path], NDArray[Any]]) -> Any:
+    def picture(key: str, image: str, read: Callable[[Path], NDArray[Any]]) -> Any:
         if row[key] is None and key != "colour":
             return None
         if not isinstance(row[key], str):
             raise InputError(f"{at}: {key} is {row[key]!r}: expected the name of a file")
-        return read(named_in(folder, row[key]))
+        return _cut(at, read(named_in(folder, row[key])), row[image])
 
-    colour = picture("colour", lambda path: _array(path) if path.suffix.lower() == NPY else read_colour(path))
+    colour = picture(
+        "colour", "subImage", lambda path: _array(path) if path.suffix.lower() == NPY else read_colour(path)
+    )
     colour = colour[..., :3] if colour.dtype == np.uint8 else srgb8_from_linear(colour[..., :3])
-    depth = picture("depth", read_depth)
+    depth = picture("depth", "depthSubImage", read_depth)
     if depth is not None:  # of a buffer: integers are of their whole range
         depth = depth / np.iinfo(depth.dtype).max if depth.dtype.kind in "iu" else depth.astype(np.float64)
-    vectors = picture("motion", _vectors)
+    vectors = picture("motion", "motionVectorSubImage", _vectors)
     planes = [math.inf if row[key] == _INFINITE else number_of(at, key, row[key]) for key in _PLANES]
     return MotionFrame(
         row["colour"],
@@ -223,6 +229,21 @@ def _pose(at: str, key: str, value: Any) -> Pose:
         raise InputError(f"{at}: {key} is {value!r}: expected an XrPosef: position and orientation")
     parts = (("position", "xyz"), ("orientation", "xyzw"))
     return Pose(*(_numbers(at, f"{key}.{part}", value.get(part), names) for part, names in parts))
+
+
+def _cut(at: str, picture: NDArray[Any], image: Any) -> NDArray[Any]:
+    """Return the rectangle of an XrSwapchainSubImage, counted from the top left pixel."""
+    if image is None:
+        return picture
+    rect = image.get("imageRect") if isinstance(image, dict) else None
+    if not isinstance(rect, dict):
+        raise InputError(f"{at}: sub-image {image!r}: expected an imageRect of offset and extent")
+    x, y = map(int, _numbers(at, "offset", rect.get("offset"), "xy"))
+    wide, high = map(int, _numbers(at, "extent", rect.get("extent"), ("width", "height")))
+    found = picture[max(y, 0) : y + high, max(x, 0) : x + wide]
+    if min(x, y) < 0 or not found.size or found.shape[:2] != (high, wide):
+        raise InputError(f"{at}: sub-image of {wide}x{high} at {x}, {y}: the file has {picture.shape[1::-1]}")
+    return found
 
 
 def _vectors(path: Path) -> Array:
@@ -263,7 +284,7 @@ _MISSED = 0.02  # of the brightness, beside what 0.75 pixels make: something els
 _FAR = 1e-3  # 1/m: what differs by less is equally far
 _SURFACE = 0.06  # share of the depth: what differs by less may be one surface that came nearer by itself
 
-_CANDIDATES = tuple(Convention(*values) for values in itertools.product(*PROPERTIES.values()))
+_CANDIDATES = tuple(Convention(*values) for values in itertools.product(*(values for values, _ in PROPERTIES.values())))
 
 
 @attrs.frozen(eq=False)
@@ -309,13 +330,16 @@ class Pair:
         return self.now.motion[self.step // 2 :: self.step, self.step // 2 :: self.step]
 
     @cached_property
+    def still(self) -> Array:
+        """(h, w, 3) places in the eye before of what is here, had it stood still, times 1/m."""
+        turn = self.then_view.pose.inverse() @ self.now.view.pose
+        along = _along_of(self.now.view, self.uv - self.now.jitter / np.array(self.now.size))
+        return along @ turn.rotation_matrix.T + turn.position_m * np.nan_to_num(self.inverse)[..., None]
+
+    @cached_property
     def expected(self) -> Array:
-        """(h, w) 1/m in the eye before of what is here, had it stood still; NaN for no depth."""
-        turn, inverse = self.then_view.pose.inverse() @ self.now.view.pose, np.nan_to_num(self.inverse)
-        at, (left, right, down, up) = self.uv - self.now.jitter / np.array(self.now.size), self.now.view.fov.tangents
-        along = left + at[..., 0] * (right - left), up - at[..., 1] * (up - down), -np.ones(inverse.shape)
-        ahead = -np.stack(along, axis=-1) @ turn.rotation_matrix[2] - turn.position_m[2] * inverse
-        return np.asarray(self.inverse / np.maximum(ahead, 1e-6))
+        """(h, w) 1/m in the eye before, had it stood still; NaN for no depth."""
+        return np.asarray(self.inverse / np.maximum(-self.still[..., 2], 1e-6))
 
     @cached_property
     def then_view(self) -> View:
@@ -327,17 +351,31 @@ class Pair:
         now, before = (np.array(frame.jitter) / frame.size for frame in (self.now, self.before))
         off = convention.jitter == OUT
         here = self.uv - now if off else self.uv
-        way = self.vectors[..., :2] * (1 if convention.sign == _FORWARD else -1)
-        way = way * (1, 1 if convention.y == DOWN else -1)
-        factor: Any = {NDC: 0.5, UV: 1.0, PIXELS: 1 / np.array(self.now.size)}[convention.unit]
+        way = self.vectors * (1 if convention.sign == _FORWARD else -1)
+        way = way * np.array((1, 1 if convention.y == DOWN else -1, 1))[: way.shape[2]]
         with np.errstate(all="ignore"):
-            then = np.asarray(here - way * factor, np.float64)
+            if convention.unit == METRES:
+                place = _along_of(self.now.view, here) / self.inverse[..., None]
+                place[..., :2] -= way[..., :2] * (1, -1)
+                depth = place[..., 2] - way[..., 2] if way.shape[2] > 2 else self.still[..., 2] / self.inverse
+                left, right, down, up = self.then_view.fov.tangents
+                x, y = (place[..., k] / np.where(depth < 0, -depth, np.nan) for k in (0, 1))  # NaN behind the eye
+                then = np.stack([(x - left) / (right - left), (up - y) / (up - down)], axis=-1)
+            else:
+                then = here - way[..., :2] * {NDC: 0.5, UV: 1.0, PIXELS: 1 / np.array(self.now.size)}[convention.unit]
         return then + before if off else then
 
 
 def grid(size: Size) -> Array:
     """Return (h, w, 2) centres of a picture's pixels, 0 to 1, y down."""
     return np.stack(np.meshgrid(*((np.arange(count) + 0.5) / count for count in size)), axis=-1)
+
+
+def _along_of(view: View, uv: Array) -> Array:
+    """Return (.., 3) directions in the eye through places of the picture, z = -1."""
+    left, right, down, up = view.fov.tangents
+    x, y = left + uv[..., 0] * (right - left), up - uv[..., 1] * (up - down)
+    return np.stack([x, y, -np.ones_like(x)], axis=-1)
 
 
 def sampled(picture: Array, uv: Array) -> Array:
@@ -424,12 +462,135 @@ _MOST = {
 }
 
 
+@attrs.frozen(eq=False)
+class _Contradictions:
+    """What pictures and depths say against the best candidate."""
+
+    blocks: float  # of the blocks that tell a shift, those but one that show it in frame after frame
+    drift: float  # the whole picture's shift in one of the frames, in pixels
+    elsewhere: float  # of the pixels: the surface was not there
+    missed: float  # of the pixels: something of another colour was there
+    judged: int  # blocks that tell a shift, in two frames or more
+    factor: list[float]  # the factor by which the vectors fit best, of x and y, and its standard error
+    factor_error: list[float]
+
+    def reasons(self) -> list[str]:
+        """Return what is more than a right convention leaves."""
+        if self.judged < _LEAST_BLOCKS:
+            return [f"only {self.judged} blocks of the picture have detail that three frames show"]
+        return [text.format(getattr(self, name)) for name, (most, text) in _MOST.items() if getattr(self, name) > most]
+
+
+@attrs.frozen(eq=False)
+class Property:
+    """What is found of one property of the convention."""
+
+    name: str
+    value: str
+    as_stated: bool
+    other: Convention  # the best candidate of another value, and by how many standard errors it is worse
+    margin: float
+    moved_px: float  # median shift between the two
+
+    @property
+    def told(self) -> bool:
+        """Whether every other value is surely worse."""
+        return self.margin >= SURE
+
+
+@attrs.frozen(eq=False)
+class Verdict:
+    """What frames say about their motion vectors."""
+
+    frames: MotionFrames
+    best: Convention
+    rivals: tuple[Convention, ...]  # those that fit as well with as few changes
+    properties: tuple[Property, ...]
+    contradictions: _Contradictions
+    # Slope of the change of depth over the vectors' z, and its standard error; None without z.
+    z: tuple[float, float] | None
+
+    @property
+    def explained(self) -> bool:
+        """Whether the best candidate leaves no more than a right one does."""
+        return not self.contradictions.reasons()
+
+    @property
+    def verdict(self) -> str:
+        """Return "right", "wrong" or "cannot be told"."""
+        if not self.explained or self.rivals:
+            return "cannot be told"
+        return "right" if self.best == self.frames.stated else "wrong"
+
+    def headline(self) -> str:
+        """Return the verdict in one sentence."""
+        count, best = f"{len(self.frames.pairs)} pairs of frames", text_of(self.best)
+        if not self.explained:
+            why = listed(self.contradictions.reasons())
+            return f"cannot be told: no convention explains the next frame. With the nearest ({best}), {why} ({count})"
+        if self.rivals:
+            return f"cannot be told: {' or '.join([best, *map(text_of, self.rivals)])} explain it as well ({count})"
+        wrong = listed([PROPERTIES[one.name][1] for one in self.properties if not one.as_stated])
+        return f"{f'wrong: {wrong}' if wrong else 'right'}. The vectors explain the next frame as {best} ({count})"
+
+    def lines(self) -> list[str]:
+        """Return what to print below it."""
+        if not self.explained:
+            return []
+        (x, y), (dx, dy) = self.contradictions.factor, self.contradictions.factor_error
+        lines = []
+        for one in self.properties:
+            words = f"cannot be told from {text_of(one.other)}: that moves pixels by {one.moved_px:.2g}"
+            if one.told:
+                mark = "" if one.as_stated else "  <- not as stated"
+                words = f"{one.value}  ({one.margin:.0f} standard errors ahead){mark}"
+            lines.append(f"  {PROPERTIES[one.name][1]:<9}  {words}")
+        lines += [f"  factor     {x:.3f} +- {1.96 * dx:.3f} across, {y:.3f} +- {1.96 * dy:.3f} down (95 %)"]
+        if self.z is not None:
+            slope, error = self.z
+            follows = "as the depth changes" if abs(slope - 1) < max(0.25, SURE * error) else "not as the depth changes"
+            lines.append(f"  z          {follows}: slope {slope:.2f} +- {1.96 * error:.2f}")
+        code = self.code()
+        return [*lines, *(["Read them so:"] if code else []), *(f"    {line}" for line in code)]
+
+    def code(self) -> list[str]:
+        """Return C and GLSL that make of them what XR_EXT_frame_synthesis expects."""
+        if self.verdict != "wrong":
+            return []
+        found, now = self.best, self.frames.pairs[0][0]
+        back, down = -1.0 if found.sign == BACKWARD else 1.0, 1.0 if found.y == DOWN else -1.0
+        if found.unit == METRES:
+            return [
+                f"motion.xyz *= vec3({back:g}, {-down * back:g}, {back:g});  // now the way in the eye, y up",
+                "vec4 then = previousProjection * vec4(eyePosition - motion.xyz, 1.0);  // without jitter",
+                "motion.xyz = ndcPosition - then.xyz / then.w;",
+            ]
+        lines, (wide, high) = [], now.size
+        units = {NDC: (1.0, 1.0), UV: (2.0, 2.0), PIXELS: (2 / wide, 2 / high)}[found.unit]
+        factors = (back * units[0], back * down * units[1], -back if self.z and self.z[0] < 0 else back)
+        for name, stated in (("Scale", now.scale), ("Offset", now.offset)):
+            numbers = ", ".join(f"{value * factor:.9g}" for value, factor in zip(stated, factors, strict=True))
+            if name == "Scale" or any(stated):
+                lines.append(f"info.motionVector{name} = {{{numbers}, 0}};  // XrFrameSynthesisInfoEXT")
+        lines.append("// XR_FB_space_warp: motion.xyz *= vec3({:.9g}, {:.9g}, {:.9g});".format(*factors))
+        if found.jitter == IN:
+            where = f"vec2(2.0 / {wide}, 2.0 / {high});  // pixels, y down"
+            lines.append(f"motion.xy -= (jitter - previousJitter) * {where}")
+        return lines
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what `--json` prints."""
+        told = [one.name for one in self.properties if one.told] if self.explained else []
+        about = {"verdict": self.verdict, "told": told, "reasons": self.contradictions.reasons(), "code": self.code()}
+        return about | attrs.asdict(self, filter=lambda field, _: field.name != "frames")
+
+
 def text_of(convention: Convention) -> str:
     """Return a convention in words."""
     return f"{convention.unit}, y {convention.y}, {convention.sign}, jitter {convention.jitter}"
 
 
-def check_motion(frames: MotionFrames) -> Answer:
+def check_motion(frames: MotionFrames) -> Verdict:
     """Return which convention explains each next frame, by colour and by depth.
 
     Parameters
@@ -439,7 +600,7 @@ def check_motion(frames: MotionFrames) -> Answer:
 
     Returns
     -------
-    Answer
+    Verdict
         The best of all conventions, those that fit as well, and what contradicts it.
     """
     full = [Pair(now, before) for now, before in frames.pairs]
@@ -451,50 +612,15 @@ def check_motion(frames: MotionFrames) -> Answer:
     order = {one: (sum(map(operator.ne, attrs.astuple(one), stated)), float(costs[one].sum())) for one in alike}
     best = min(alike, key=order.__getitem__)
     rivals = tuple(one for one in alike if one != best and order[one][0] == order[best][0])
-    figures, judged = _contradictions([Found.of(pair, best) for pair in full])
-    reasons = [text.format(figures[name]) for name, (most, text) in _MOST.items() if figures[name] > most]
-    if judged < _LEAST_BLOCKS:
-        reasons = [f"only {judged} blocks of the picture have detail that three frames show"]
-    about: Any = {"frames": len(frames.frames), "figures": figures}
-    count = f"({len(full)} pairs of frames)"
-    if reasons:
-        why = f"no convention explains the next frame. With the nearest ({text_of(best)}), {listed(reasons)} {count}"
-        return Answer("cannot be told", f"cannot be told: {why}", best, **about)
-    findings = []
+    properties = []
     for name, value in attrs.asdict(best).items():
         margins = {one: _margin(costs[best], costs[one]) for one in costs if getattr(one, name) != value}
         other = min(margins, key=margins.__getitem__)
         apart = np.linalg.norm((full[0].places(other) - full[0].places(best)) * full[0].now.size, axis=-1)
-        why, told = f"{text_of(other)} moves pixels by {np.nanmedian(apart):.2g}", margins[other] >= SURE
         as_stated = value == getattr(frames.stated, name)
-        findings.append(Finding(name, LABELS[name], value, as_stated, told, margins[other], "" if told else why))
-    if rivals:
-        as_good = [*map(text_of, (best, *rivals))]
-        headline = f"cannot be told: {len(as_good)} conventions explain the next frame as well {count}"
-        return Answer("cannot be told", headline, best, findings, as_good=as_good, **about)
-    wrong = listed([one.label for one in findings if not one.as_stated])
-    headline = (
-        f"{f'wrong: {wrong}' if wrong else 'right'}. The vectors explain the next frame as {text_of(best)} {count}"
-    )
-    code = _code(best, full[0].now) if wrong else []
-    return Answer("wrong" if wrong else "right", headline, best, findings, True, code=code, **about)
-
-
-def _code(found: Convention, now: MotionFrame) -> list[str]:
-    """Return C and GLSL that make of vectors what XR_EXT_frame_synthesis expects."""
-    back, down = -1.0 if found.sign == BACKWARD else 1.0, 1.0 if found.y == DOWN else -1.0
-    lines, (wide, high) = [], now.size
-    units = {NDC: (1.0, 1.0), UV: (2.0, 2.0), PIXELS: (2 / wide, 2 / high)}[found.unit]
-    factors = (back * units[0], back * down * units[1], back)
-    for name, stated in (("Scale", now.scale), ("Offset", now.offset)):
-        numbers = ", ".join(f"{value * factor:.9g}" for value, factor in zip(stated, factors, strict=True))
-        if name == "Scale" or any(stated):
-            lines.append(f"info.motionVector{name} = {{{numbers}, 0}};  // XrFrameSynthesisInfoEXT")
-    lines.append("// XR_FB_space_warp: motion.xyz *= vec3({:.9g}, {:.9g}, {:.9g});".format(*factors))
-    if found.jitter == IN:
-        where = f"vec2(2.0 / {wide}, 2.0 / {high});  // pixels, y down"
-        lines.append(f"motion.xy -= (jitter - previousJitter) * {where}")
-    return lines
+        properties.append(Property(name, value, as_stated, other, margins[other], float(np.nanmedian(apart))))
+    found = [Found.of(pair, best) for pair in full]
+    return Verdict(frames, best, rivals, tuple(properties), _contradictions(found), _slope_of_z(found, best))
 
 
 def _by_block(pair: Pair, values: Array) -> Array:
@@ -509,22 +635,26 @@ def _margin(better: Array, worse: Array) -> float:
     return float(apart.mean()) / error if error > 0 else 0.0
 
 
-def _contradictions(found: list[Found]) -> tuple[dict[str, float], int]:
-    """Return what _MOST bounds, and how many blocks tell a shift in two frames or more."""
-    shift, matrix, known, off = (np.stack(each) for each in zip(*map(_shifts, found), strict=True))
+def _contradictions(found: list[Found]) -> _Contradictions:
+    shift, matrix, known, off, way = (np.stack(each) for each in zip(*map(_shifts, found), strict=True))
     # Edges without antialiasing seem to move by chance: each time elsewhere.
     length = np.maximum(np.linalg.norm(shift, axis=-1, keepdims=True), 1e-9)
     along = np.linalg.norm((off[..., None] * shift / length).sum(axis=0), axis=-1)
     counts = known.sum(axis=0)
     judged, wrong = int((counts > 1).sum()), int((along >= np.maximum(1.5, counts / 2)).sum())
     whole = np.linalg.solve(matrix.sum(axis=1) + 1e-5 * np.eye(2), np.einsum("nbij,nbj->ni", matrix, shift)[..., None])
-    shares = {
-        name: float(np.mean([ndimage.binary_opening(getattr(one, name), np.ones((2, 2))).mean() for one in found]))
+    elsewhere, missed = (
+        float(np.mean([ndimage.binary_opening(getattr(one, name), np.ones((2, 2))).mean() for one in found]))
         for name in ("elsewhere", "missed")
-    }
-    # Of the blocks, those but one that show a shift in frame after frame.
-    share, drift = max(0, wrong - 1) / max(judged, 1), float(np.linalg.norm(whole, axis=1).max())
-    return {"blocks": share, "drift": drift, **shares}, judged
+    )
+    drift = float(np.linalg.norm(whole, axis=1).max())
+    # The factors of x and y that fit best and their standard errors, over blocks.
+    way, shift, weight = way[known], shift[known], matrix[known][:, (0, 1), (0, 1)]
+    total = np.maximum((weight * way**2).sum(axis=0), 1e-12)
+    slope = (weight * way * shift).sum(axis=0) / total
+    error = np.sqrt(((weight * way * (shift - slope * way)) ** 2).sum(axis=0)) / total
+    share, factor = max(0, wrong - 1) / max(judged, 1), (1 + slope).tolist()
+    return _Contradictions(share, drift, elsewhere, missed, judged, factor, error.tolist())
 
 
 def _shifts(found: Found) -> tuple[NDArray[Any], ...]:
@@ -543,4 +673,26 @@ def _shifts(found: Found) -> tuple[NDArray[Any], ...]:
     sure = np.einsum("ni,nij,nj->n", shift, matrix, shift) / variance
     off = np.asarray((sure > _SURELY) & (np.linalg.norm(shift, axis=1) > _OFF_PX))
     known = off | (np.linalg.eigvalsh(matrix)[:, 1] > variance / _KNOWN_PX**2)
-    return shift, matrix, known, off
+    way = np.where(weight[..., None] > 0, (found.uv - pair.uv) * pair.now.size, 0)
+    count = np.maximum(_by_block(pair, weight > 0), 1)
+    return shift, matrix, known, off, np.stack([_by_block(pair, way[..., k]) / count for k in (0, 1)], axis=-1)
+
+
+def _slope_of_z(found: list[Found], best: Convention) -> tuple[float, float] | None:
+    """Return the change of depth over the vectors' z, and its standard error, over blocks."""
+    if best.unit == METRES or any(one.pair.vectors.shape[2] < 3 or one.pair.now.planes is None for one in found):
+        return None
+    over, under = [], []
+    for one in found:
+        pair, planes, then = one.pair, one.pair.now.planes, one.pair.before.planes
+        assert planes is not None and then is not None, "checked above"
+        z = pair.vectors[..., 2] * (-1 if best.sign == BACKWARD else 1)
+        change = planes.encode(pair.inverse) - then.encode(sampled(pair.before.inverse_depth, one.uv))
+        good = one.seen & pair.one_surface & np.isfinite(change) & np.isfinite(z)
+        over.append(_by_block(pair, np.where(good, z * change, 0)))
+        under.append(_by_block(pair, np.where(good, z * z, 0)))
+    top, low = np.concatenate(over), np.concatenate(under)
+    if not low.sum() > 0:
+        return None
+    slope = float(top.sum() / low.sum())
+    return slope, float(np.sqrt(((top - slope * low) ** 2).sum()) / low.sum())

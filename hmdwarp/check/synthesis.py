@@ -15,7 +15,7 @@ from ..geometry import Fov, Pose, View
 from ..image import Warper
 from ..metrics import psnr
 from ..pipeline.feed_coding import velocity_of
-from .motion_verdict import BACKWARD, MotionFrame, MotionFrames, Pair, grid, nearest_at
+from .motion_verdict import BACKWARD, METRES, MotionFrame, MotionFrames, Pair, grid, nearest_at
 
 _SAME_NS = 1000  # a frame at most so far from the instant is its truth
 
@@ -103,7 +103,12 @@ def vectors_of(pair: Pair, frames: MotionFrames) -> tuple[NDArray[Any], NDArray[
     stated, planes, ends = frames.stated, pair.now.planes, (0.0, 0.0)  # no z
     vectors = np.zeros((*pair.vectors.shape[:2], 4))
     vectors[..., :2] = 2 * (pair.uv - pair.places(stated))
-    if planes is not None and planes.max_depth - planes.min_depth == 1 and pair.vectors.shape[2] > 2:
+    if (
+        planes is not None
+        and planes.max_depth - planes.min_depth == 1
+        and pair.vectors.shape[2] > 2
+        and stated.unit != METRES
+    ):
         vectors[..., 2] = pair.vectors[..., 2] * (-1 if stated.sign == BACKWARD else 1)
         ends = planes.near_z, planes.far_z
     before = jittered(pair.then_view, pair.before)

@@ -18,15 +18,21 @@ def check(said: Said) -> None:
     of view, principal point, half a pixel, time. It says what cannot be told, and prints the code
     that reads the frames right.
     """
+    from ._show import paragraph
+
     options = CheckOptions.of(said)
     if options.motion:
-        answer = conventions.check_motion(conventions.read_motion(options.frames[0]))
+        found: conventions.Answer | conventions.Verdict
+        found = conventions.check_motion(conventions.read_motion(options.frames[0]))
     else:
-        answer = conventions.check(conventions.read_stated(options.frames, options.reading))
+        found = conventions.check(conventions.read_stated(options.frames, options.reading))
     if said["json"]:
-        typer.echo(as_json(answer.as_json()))
-        return
-    _print(answer)
+        typer.echo(as_json(found.as_json()))
+    elif isinstance(found, conventions.Answer):
+        _print(found)
+    else:
+        paragraph(found.headline())
+        typer.echo("".join(f"{line}\n" for line in found.lines()), nl=False)
 
 
 def _print(answer: conventions.Answer) -> None:

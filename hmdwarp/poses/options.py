@@ -14,7 +14,7 @@ MOTIONS = "still, look-around, reversals, walk, fast-turns, forward, backward, s
 PREDICTORS = dict.fromkeys(("cautious", "cav", "constant_velocity", "none", "on"), "cautious")
 DEFAULT_PREDICTOR = "cautious"  # errs short, see docs/results-link.md
 FRAMES = "frames"
-TIME_UNITS = ("s", "ms", "us", "ns", "100ns")
+TIME_UNITS = ("s", "ms", "us", "ns", "100ns", FRAMES)
 _QUAT_ORDERS = ("xyzw", "wxyz")
 DIRECT, INVERSE = "direct", "inverse"
 ROWS, COLUMNS = "rows", "columns"
@@ -78,8 +78,8 @@ class TraceOptions(Declared):
         None, "Samples per second, in place of the file's clock.", name="trace_rate", unit="Hz",
         valid=Number(least=1e-3, most=1e6),
     )  # fmt: skip
-    time_unit: str | None = option(  # A key of `reading.columns.UNITS_NS`
-        None, "Unit of the file's clock: s, ms, us, ns or 100ns; by default as it says, or guessed.",
+    time_unit: str | None = option(  # A key of `reading.columns.UNITS_NS`, or FRAMES
+        None, "Unit of the file's clock: s, ms, us, ns, 100ns, or frames of --trace-rate; else as it says, or guessed.",
         valid=one_of(*TIME_UNITS),
     )  # fmt: skip
     columns: str | None = option(  # See `reading.layouts.stated_layout`

@@ -430,7 +430,7 @@ def test_a_coarse_clock_is_told_and_evened_out(tmp_path, tick_ns, rate, up_ns):
     assert abs(loaded.track.epoch_ns - int(up_ns * tick_ns)) < near_ns  # a tick is taken for its beginning
 
 
-@pytest.mark.parametrize("stated", [{}, {"time_column": "1"}])
+@pytest.mark.parametrize("stated", [{}, {"time_column": "1"}, {"time_unit": "frames"}])
 @pytest.mark.parametrize("name", ["frame", "Frame Number", "frame_id", "seq"])
 def test_frame_numbers_are_a_clock(tmp_path, name, stated):
     table = [[str(1200 + i), *r[1:]] for i, r in enumerate(TABLE_CLOCKS) if not 100 < i < 160]

@@ -424,7 +424,14 @@ def with_clock(head: Head, layout: Layout, options: TraceOptions) -> Layout:
         if layout.time is None:
             what = f"{head.path} has no time ({head.describe()})"
             raise TraceError(f"{what}: --trace-rate gives the samples, or numbered frames, per second")
+        if options.time_unit == FRAMES:
+            raise TraceError(f"{head.path}: frame numbers are no times: --trace-rate gives the frames per second")
         return layout
+    if options.time_unit == FRAMES:
+        frames = layout.time if frames is None or options.columns else frames
+        if frames is None:
+            raise TraceError(f"{head.path} numbers no frames ({head.describe()}): --time-column names the column")
+        return attrs.evolve(layout, time=frames, unit=FRAMES, rest=None)
     if frames is not None:
         numbers = head.numbers((frames,))[:, 0]
         steps = np.diff(numbers)
