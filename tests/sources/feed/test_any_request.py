@@ -124,20 +124,24 @@ def test_whatever_fails_while_drawing_is_refused_and_the_next_request_is_drawn(m
 @pytest.mark.parametrize("formats", [(255, 3), (3, 2), (4, 255)])
 def test_encoders_of_all_clients_are_bounded_and_the_oldest_begins_anew(monkeypatch, formats):
     listener, size = SimpleNamespace(clients=range(5)), (64, 64)
-    coders = serve_run._Coders(listener)
+    forgets = dict.fromkeys(("forget", "begin_anew"), lambda client: None)
+    answers = serve_run._Answers(listener, SimpleNamespace(scene=SimpleNamespace(inputs=None), **forgets), None)
     ask = decode(foreign.request(1, size=size, formats=formats))
     colour, depth = np.full((*size, 4), 255, np.uint8), np.ones(size, np.float32)
     frame = FrameMessage(1, 0, 0, 0, 0, 0, ask.views, (colour,), (depth,))
     monkeypatch.setattr(serve_run, "_MOST_CODED_BYTES", 3 * FeedEncoder(ask).bytes)
 
     def place(client: int) -> int:
-        return coders.coded(Asked(client, ask, 0), frame).place
+        return answers._coded(answers._session(Asked(client, ask, 0)), ask, frame).place
 
-    assert [place(client) for client in range(5)] == [0] * 5 and list(coders._of) == [2, 3, 4]
+    def kept() -> list[int]:
+        return [client for client, session in answers._sessions.items() if session.encoder is not None]
+
+    assert [place(client) for client in range(5)] == [0] * 5 and kept() == [2, 3, 4]
     assert (place(2), place(0), place(3)) == (1, 0, 0)
     listener.clients = ()
     place(5)
-    assert list(coders._of) == [5]
+    assert kept() == [5]
 
 
 def test_whatever_people_are_said_to_do_is_drawn():
