@@ -408,7 +408,7 @@ def test_values_of_a_depth_buffer_are_noted(near, far, buffer):
     said = about_unit([values], 0.05, "{:g}")
     crowded = np.median(values) > 0.9 or np.median(values) < 0.05
     assert len(said) == crowded and all("values of a depth buffer, not metres" in note for note in said)
-    assert all(("reversed_z=True" in note) == (buffer == "reversed") for note in said)
+    assert all(("DepthLayer(0, 1, far, near)" in note) == (buffer == "reversed") for note in said)
     assert crowded or near == 0.3  # 1 - 0.3 m / 5 m, and twice that less 1: a table in front of the eye
     assert about_unit([values], 0.0, "{:g}") == []
 

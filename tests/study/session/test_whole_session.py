@@ -219,7 +219,7 @@ def full(*_):
 
 
 def full_recording(lines, data):
-    lines._error = MachineError(f"{lines.path}: cannot write (No space left on device): make room")
+    lines.error = MachineError(f"{lines.path}: cannot write (No space left on device): make room")
 
 
 def no_figures(*_):
