@@ -7,8 +7,8 @@ import math
 from pathlib import Path
 
 import pytest
+import trimesh
 from recorded_folders import CX, CY, FX, FY, taken, write_npz, write_numbered, write_tum
-from scenes.glb import boxes, cube
 
 from hmdwarp.sources.sequences import FACTS
 
@@ -69,7 +69,9 @@ def test_a_delay_trace_is_followed(command, tmp_path):
 def scene(tmp_path):
     """A room whose middle is at (104, 51.5, 203)."""
     path = tmp_path / "far.glb"
-    path.write_bytes(boxes(cube((100, 50, 200), (108, 53, 206), inwards=True)).data())
+    room = trimesh.creation.box(bounds=[(100, 50, 200), (108, 53, 206)])
+    room.invert()
+    room.export(path)
     return path
 
 

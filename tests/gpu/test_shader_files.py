@@ -24,11 +24,10 @@ from hmdwarp.display import Presenter
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
 from hmdwarp.frames.layers.scene_parts import Simplified
-from hmdwarp.geometry import DepthLayer, Fov, Fovea, Hidden, Pose, View
+from hmdwarp.geometry import Fov, Fovea, Hidden, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, Gpu, ShaderLibrary, allocate, flatten
 from hmdwarp.headsets import load_headset
 from hmdwarp.image.picture_arrays import ENCODINGS, SRGB8, raw_picture
-from hmdwarp.image.picture_textures import INVERSE, METRES, converted
 from hmdwarp.metrics import PairPass
 from hmdwarp.run import HoleCounter
 from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
@@ -89,7 +88,6 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         _draw_every_content(gpu)
         gpu.shaders.compute("gpu/copy.comp")  # as the timers, which are probed before there is a library
         HoleCounter(gpu).close()
-        _take_textures_over(gpu)
         _take_arrays_over(gpu)
         _give_arrays_out(gpu)
         PairPass(gpu, (9, 7), 20.0).close()
@@ -107,14 +105,6 @@ def _shining(scene: Scene) -> Scene:
     white = np.full((1, 1, 3), 255, np.uint8)
     textures = [Texture(each.name, each.image, emission=Emission(white, (1, 1, 1))) for each in scene.textures]
     return attrs.evolve(scene, textures=textures)
-
-
-def _take_textures_over(gpu: Gpu) -> None:
-    """Somebody else's, in every form that they may have."""
-    into = allocate(gpu.gl, (9, 7), COLOUR), allocate(gpu.gl, (9, 7), SCALAR)
-    colour = gpu.gl.texture((9, 7), 4)
-    for depth_as, encoding in product((INVERSE, METRES, DepthLayer()), ENCODINGS):
-        converted(gpu, (9, 7), colour, into[1], depth_as, encoding, into)
 
 
 def _take_arrays_over(gpu: Gpu) -> None:
