@@ -191,26 +191,10 @@ def _draw_every_content(gpu: Gpu) -> None:
     server.close()
 
 
-def lacking(gpu: Gpu, name: str) -> set[str]:
-    """The GLSL extensions that a stage cannot do without and this machine has not."""
-    required = re.findall(r"#extension (\w+) : require", (ROOT / name).read_text(encoding="utf-8"))
-    return set(required) - set(gpu.gl.extensions)
-
-
-def test_every_stage_is_compiled_as_the_program_uses_it(gpu, variants):
+def test_every_stage_is_compiled_as_the_program_uses_it(variants):
     """A shader nobody asks for has no test and no user."""
-    compiled, there = {path for path, _ in variants}, {name for name in STAGES if not lacking(gpu, name)}
+    compiled, there = {path for path, _ in variants}, set(STAGES)
     assert compiled == there, f"no program compiles {sorted(there - compiled)}: take them out, or use them"
-
-
-@pytest.mark.parametrize("name", [n for n in STAGES if "#extension" in (ROOT / n).read_text(encoding="utf-8")])
-def test_shaders_that_this_machine_cannot_compile_are_reported(gpu, variants, name):
-    if missing := lacking(gpu, name):
-        pytest.skip(
-            f"{gpu.renderer} has no {', '.join(sorted(missing))}; glslangValidator checks it in "
-            "tests/client/test_forward.py"
-        )
-    assert name in {path for path, _ in variants}
 
 
 def test_every_include_is_used(variants):
