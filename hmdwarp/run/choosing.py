@@ -256,8 +256,7 @@ def choose(options: RunOptions, say: Say = lambda text: None, progress: Progress
 
 def candidates(options: PipelineOptions, source: Source) -> list[Combination]:
     """Return every warp and variant with each of FILLS, except those that this run cannot use."""
-    headset, scene = source.headset, source.scene
-    found = []
+    headset, scene, found = source.headset, source.scene, list[Combination]()
     build_plan_for(options.with_pair("none", "none"), headset, scene)
     for warp, fill in product(every_warp(), FILLS):
         try:
@@ -331,8 +330,8 @@ def levels_by_short_bench(
     note = f"Warp 'auto' tried {len(kept)} combinations of warp and fill at {INSTANTS} instants of this run"
     if drawn != size:
         note += f", for errors at {drawn[0]}x{drawn[1]}, a third of its size each way"
-    if left_out := ", ".join(sorted(set(times) - set(within))):
-        note += f"; {left_out} took more than {REACH:g} times the budget, so their pictures were not measured"
+    if out := ", ".join(sorted(set(times) - set(within))):
+        note += f"; {out} took more than {REACH:g} times the budget, so their pictures were not measured"
     return _LevelSet(levels_from(rows), (f"{note}.",))
 
 

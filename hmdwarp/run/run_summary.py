@@ -414,10 +414,7 @@ def write_results(
             result.against,
             rows=result.rows,
             baselines_rows=compared,
-            worst=[
-                WorstFrame(time_s[kept.key[0]], kept.key[1], columns_of(kept), kept.result.values)
-                for kept in pool.worst
-            ],
+            worst=[WorstFrame(time_s[k.key[0]], k.key[1], columns_of(k), k.result.values) for k in pool.worst],
             command=command,
             notes=result.summary["notes"],
             gate=verdict.section() if verdict is not None else None,
