@@ -276,7 +276,7 @@ KINDS = {
     ),
     "recordings": Kind(
         "Head traces that are part of the package.",
-        lambda: map(_of("poses").load_trace, _of("resources").recording_names()), _recording,
+        lambda: map(_of("poses").load_trace, _of("base.resources").recording_names()), _recording,
     ),
     "scales": Kind("What a study asks.", _each("study.scales", "scale_names", "load_scale"), _scale),
     "studies": Kind(

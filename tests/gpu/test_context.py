@@ -145,7 +145,7 @@ def test_a_command_whose_context_is_lost_ends_with_3_and_leaves_nothing(monkeypa
     done = hmdwarp(*command, "--out", tmp_path / "out")
     assert done.returncode == 3, done.stdout + done.stderr
     assert "was reset" in done.stderr.splitlines()[-1]
-    assert not (tmp_path / "out").exists()
+    assert {path.name for path in (tmp_path / "out").glob("*")} <= {"cases"}  # a bench keeps which case failed
 
 
 def test_a_context_is_used_again_with_its_programs_and_what_it_lent():
