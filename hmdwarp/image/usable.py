@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import closing
 from statistics import median
 from typing import Any
 
@@ -94,12 +95,11 @@ def chosen(
     took: dict[QualityLevel, list[float]] = {level: [] for level in plans}  # ms here
     with gpu.timer.aside("auto"):
         for level, plan in plans.items():
-            tried = Compensator(gpu, plan, None, *sizes)
-            for _ in range(1 + _ROUNDS):
-                gpu.timer.lap()
-                tried.run(inputs)
-                took[level].append(sum(ms for _, ms in gpu.timer.collect()))
-            tried.close()
+            with closing(Compensator(gpu, plan, None, *sizes)) as tried:
+                for _ in range(1 + _ROUNDS):
+                    gpu.timer.lap()
+                    tried.run(inputs)
+                    took[level].append(sum(ms for _, ms in gpu.timer.collect()))
     levels = front([level.scaled(median(ms[1:]) / level.total_ms) for level, ms in took.items()])
     best = levels[best_within(levels, budget_ms, "budget_ms")]
     plan = next(plan for level, plan in plans.items() if (level.warp, level.fill) == (best.warp, best.fill))

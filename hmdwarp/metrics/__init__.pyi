@@ -56,4 +56,5 @@ from .summary import error_and_time as error_and_time
 from .summary import excludes_zero as excludes_zero
 from .summary import interval_of_mean as interval_of_mean
 from .summary import middle_and_tail as middle_and_tail
+from .summary import paired as paired
 from .summary import pareto as pareto

@@ -85,23 +85,24 @@ def difference(
     first: Sequence[Mapping[str, Any]], second: Sequence[Mapping[str, Any]], name: str
 ) -> dict[str, float | list[float] | None]:
     """Return {mean, interval} of first - second over the instants at which both were measured."""
-    apart = _apart(at_instants(first, name), at_instants(second, name))
-    interval = interval_of_mean(apart)
-    return {"mean": math.fsum(apart) / len(apart) if apart else None, "interval": interval and list(interval)}
+    mean, interval = paired(at_instants(first, name), at_instants(second, name))
+    return {"mean": mean, "interval": interval and list(interval)}
+
+
+def paired(first: Mapping[Any, float], second: Mapping[Any, float]) -> tuple[float | None, Interval | None]:
+    """Return mean and interval of first - second, figures by instant, over the instants of both."""
+    apart = [value - second[at] for at, value in first.items() if at in second]
+    return math.fsum(apart) / len(apart) if apart else None, interval_of_mean(apart)
 
 
 def differ(first: Mapping[Any, float], second: Mapping[Any, float]) -> bool:
     """Return whether the difference of two figures by instant holds, as excludes_zero has it."""
-    return excludes_zero(interval_of_mean(_apart(first, second)))
+    return excludes_zero(paired(first, second)[1])
 
 
 def excludes_zero(interval: Sequence[float] | None) -> bool:
     """Return whether a difference holds: it has an interval, and that is all on one side of 0."""
     return interval is not None and (interval[0] > 0 or interval[1] < 0)
-
-
-def _apart(first: Mapping[Any, float], second: Mapping[Any, float]) -> list[float]:
-    return [value - second[at] for at, value in first.items() if at in second]
 
 
 STAGES = ("warp", "fill", "effects", "lens", "total")

@@ -20,9 +20,9 @@ from ...metrics import (
     differ,
     error_and_time,
     excludes_zero,
-    interval_of_mean,
     metrics,
     metrics_in_order,
+    paired,
     pareto,
     ratings_of,
 )
@@ -141,9 +141,8 @@ class Case:
 
 def _paired(row: Row, first: Row, measure: str) -> dict[str, Any]:
     """Return the mean difference of two rows over the instants of both, and its interval."""
-    ours, theirs = (one["at_instants"][measure] for one in (row, first))
-    apart = [value - theirs[at] for at, value in ours.items() if at in theirs]
-    return {"difference": math.fsum(apart) / len(apart) if apart else None, "interval": interval_of_mean(apart)}
+    mean, interval = paired(*(one["at_instants"][measure] for one in (row, first)))
+    return {"difference": mean, "interval": interval}
 
 
 def _interval(row: Row, measure: str) -> Any:
