@@ -56,6 +56,8 @@ def assert_golden(name: str, found: NDArray[np.uint8], folder: Path, share: floa
         path.parent.mkdir(exist_ok=True)
         Image.fromarray(found).save(path, optimize=True)
         pytest.skip(f"wrote {path.name}; look at it before committing it")
+    if not path.exists():
+        pytest.fail(f"tests/golden/{name}.png is missing: run this test with HMDWARP_GOLDEN=write, and look at it")
     golden = np.asarray(Image.open(path).convert("RGB"))
     assert found.shape == golden.shape
     apart = difference(found, golden)

@@ -63,6 +63,9 @@ class Holed:
         (choice,) = parse_fills(name)
         if geometry is None and CLIENT_MODEL in choice.entry.reads:
             geometry = ClientScene(gpu)
+        self.world.rendered = self.inputs.rendered
+        self.world.bring_layers(gpu, choice.entry.reads)
+        self.inputs = attrs.evolve(self.inputs, rendered=self.world.rendered)
         fill = choice.entry(gpu, self.size, self.size, choice.settings, geometry)
         picture, into = self.picture(gpu), self.picture(gpu)
         into.colour.clear()

@@ -16,7 +16,7 @@ from PIL import Image
 from web.browser import Browser
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.metrics import Alike, Compared, MeasuringThreads, QualityJob, QualityPool
+from hmdwarp.metrics import Alike, Compared, MeasuringThreads, QualityJob, QualityPool, metrics
 from hmdwarp.report import WorstFrame, columns_of, render_live_report, render_report
 from hmdwarp.report.bench.page import bench_page
 
@@ -197,10 +197,13 @@ def test_a_page_fetches_no_file_and_names_nothing_twice(kind):
     assert used <= given
 
 
+CHARTS = {"replay": 3 + sum(bool(metric.chart) for metric in metrics), "bench": 1, "live": 6}
+
+
 @pytest.mark.slow
 @needs.programs("chromium")
 class TestInChromium:
-    @pytest.mark.parametrize("kind, charts", [("replay", 7), ("bench", 1), ("live", 6)])
+    @pytest.mark.parametrize("kind, charts", CHARTS.items())
     @pytest.mark.parametrize("width, dark", [(1280, True), (500, False)])
     def test_whole_quiet_and_alone(self, kind, charts, width, dark, tmp_path):
         found, console = in_chromium(page_of(kind), tmp_path, width=width, dark=dark)

@@ -34,8 +34,8 @@ GRADE = (FOLDER / "grade.toml").read_text(encoding="utf-8")
 SHIPPED = "acr comments dcr demographics fms grade ipq misc nasa_tlx preference preference_or_tie slider ssq vrsq"
 
 
-def test_shipped_scales_are_complete():
-    assert scale_names() == SHIPPED.split()
+def test_shipped_scales_stay():
+    assert set(SHIPPED.split()) <= set(scale_names())
 
 
 @together("name", [name for name in scale_names() if load_scale(name).has_answers])
