@@ -1,10 +1,6 @@
 """Golden pictures: what a test compares its picture with, pixel by pixel.
 
-They notice what no figure was asked about. After a change that is meant, look at the new pictures
-and keep them:
-
-    HMDWARP_GOLDEN=write python -m pytest tests/test_golden.py tests/client
-
+They notice what no figure was asked about. HMDWARP_GOLDEN=write writes those of the tests that run.
 A failure writes the picture, the golden one and their difference, ten times as strong, to the
 folder that the message names.
 """

@@ -48,8 +48,7 @@ def every_compared() -> list[str]:
     """Each warp with its defaults, its variants, and its settings that are somebody's baseline.
 
     Without mesh:grid=512,ring=0.002, half a million triangles: it is mesh:grid=64 with other
-    numbers. Without what draws a scene and warps no picture: that is
-    compared with the server's pictures, see tests/client/test_model.py.
+    numbers. Without what draws a scene: that is compared in tests/client/test_model.py.
     """
     every = [*every_warp(), *(spec for spec in every_baseline() if spec != "mesh:grid=512,ring=0.002")]
     return [spec for spec in every if parse_warp(spec).entry.kind != "draw"]

@@ -10,17 +10,8 @@ from hmdwarp.frames.layers import PICTURE
 from hmdwarp.geometry import DepthLayer, Pose, View, metres_from_inverse_depth
 
 from .motions import SLANTED, stepped_depth
-from .registry import TWIN, hard_case, twin_case
-from .setting import (
-    HALF,
-    SIZE,
-    SQUARE,
-    Setting,
-    brings_more_pictures,
-    is_warped_by_the_frame_alone,
-    knows_one_depth,
-    reads_depth,
-)
+from .registry import TWIN, hard_case, knows_one_depth, twin_case
+from .setting import HALF, SIZE, SQUARE, Setting, brings_more_pictures, is_warped_by_the_frame_alone, reads_depth
 
 STEP = Pose((0.05, -0.02, 0.03))
 

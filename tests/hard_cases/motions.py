@@ -9,17 +9,8 @@ import numpy as np
 
 from hmdwarp.geometry import Fov, Pose, View
 
-from .registry import TWIN, hard_case, twin_case
-from .setting import (
-    HALF,
-    SIZE,
-    SQUARE,
-    Setting,
-    brings_more_pictures,
-    is_warped_by_the_frame_alone,
-    knows_one_depth,
-    reads_depth,
-)
+from .registry import TWIN, hard_case, knows_one_depth, twin_case
+from .setting import HALF, SIZE, SQUARE, Setting, brings_more_pictures, is_warped_by_the_frame_alone, reads_depth
 
 SLANTED = 0.4 + np.add.outer(
     np.linspace(0, 0.2, SIZE[1]), np.linspace(0, 0.3, SIZE[0])

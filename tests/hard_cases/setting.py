@@ -12,7 +12,6 @@ from reference.picture import GPU_SAMPLER_PIXELS
 from worlds import World, has_twin
 
 from hmdwarp.client import parse_warp
-from hmdwarp.client.warp_kinds import HomographyWarp, PlaneWarp
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 
 Size = tuple[int, int]
@@ -31,11 +30,6 @@ def reads_depth(name: str) -> bool:
     """Whether the warp moves things by their depth. The others (none, rotation, environment) see no
     parallax at all."""
     return any(part.endswith(("inverse_depth", "layers", "others")) for part in reads(name))
-
-
-def knows_one_depth(name: str) -> bool:
-    """Whether it moves the whole picture by one homography."""
-    return issubclass(parse_warp(name).entry, HomographyWarp | PlaneWarp)
 
 
 def is_warped_by_the_frame_alone(name: str) -> bool:
