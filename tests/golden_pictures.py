@@ -1,10 +1,6 @@
 """Golden pictures: what a test compares its picture with, pixel by pixel.
 
-They notice what no figure was asked about. After a change that is meant, look at the new pictures
-and keep them:
-
-    HMDWARP_GOLDEN=write python -m pytest tests/test_golden.py tests/client
-
+They notice what no figure was asked about. HMDWARP_GOLDEN=write writes those of the tests that run.
 A failure writes the picture, the golden one and their difference, ten times as strong, to the
 folder that the message names.
 """
@@ -56,6 +52,8 @@ def assert_golden(name: str, found: NDArray[np.uint8], folder: Path, share: floa
         path.parent.mkdir(exist_ok=True)
         Image.fromarray(found).save(path, optimize=True)
         pytest.skip(f"wrote {path.name}; look at it before committing it")
+    if not path.exists():
+        pytest.fail(f"tests/golden/{name}.png is missing: run this test with HMDWARP_GOLDEN=write, and look at it")
     golden = np.asarray(Image.open(path).convert("RGB"))
     assert found.shape == golden.shape
     apart = difference(found, golden)

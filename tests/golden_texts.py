@@ -1,8 +1,4 @@
-"""Golden texts: what a test compares its text with, line by line.
-
-After a change that is meant, run the failed test with HMDWARP_GOLDEN=write and look at the
-difference that it makes.
-"""
+"""Golden texts: what a test compares its text with; HMDWARP_GOLDEN=write writes it anew."""
 
 from __future__ import annotations
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 import attrs
 import numpy as np
 from client_scene import ClientScene
-from reference.picture import RenderedPicture
 from worlds import World, read
 
 from hmdwarp.client import CLIENT_MODEL, ShownPicture, parse_fills
@@ -31,14 +30,10 @@ class Holed:
         self.colour[..., 3] = 1
         self.inverse_depth = np.maximum(world.inverse_depth, 0).astype(np.float32).astype(np.float64)
         self.empty(holes)
+        # Another picture of the same eye, wider and of any size.
+        wide = EyeImage(wide_view(world.rendered_view), *world._textures(gpu, *world._picture()))
         given = world.inputs(None)
-        self.inputs = attrs.evolve(given, rendered=given.rendered.having(wide=self._wide(gpu)))
-
-    def _wide(self, gpu) -> EyeImage:
-        """Another picture of the same eye, wider and of any size."""
-        (colour, depth), view = self.world._picture(), wide_view(self.world.rendered_view)
-        self.wide = RenderedPicture(colour, depth, view)
-        return EyeImage(view, *self.world._textures(gpu, colour, depth))
+        self.inputs = attrs.evolve(given, rendered=given.rendered.having(wide=wide))
 
     def empty(self, holes: np.ndarray) -> None:
         """Make these pixels holes."""
@@ -63,6 +58,9 @@ class Holed:
         (choice,) = parse_fills(name)
         if geometry is None and CLIENT_MODEL in choice.entry.reads:
             geometry = ClientScene(gpu)
+        self.world.rendered = self.inputs.rendered
+        self.world.bring_layers(gpu, choice.entry.reads)
+        self.inputs = attrs.evolve(self.inputs, rendered=self.world.rendered)
         fill = choice.entry(gpu, self.size, self.size, choice.settings, geometry)
         picture, into = self.picture(gpu), self.picture(gpu)
         into.colour.clear()

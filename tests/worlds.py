@@ -15,10 +15,12 @@ from scipy.spatial.transform import Rotation
 from hmdwarp.client import CLIENT_DEPTH, PassInputs, every_baseline, every_warp, parse_warp
 from hmdwarp.client.warps import Output, Warp, warps
 from hmdwarp.frames import EyeImage, Surface
+from hmdwarp.frames.layers import RENDERED, layers
 from hmdwarp.geometry import Fov, Pose, View, face_views
 from hmdwarp.geometry.cube import FACES
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download, flip_rows
 
+ONE_TEXTURE = (("rgba16f",), ("r32f",))  # formats of colour and of depth
 PICTURED = ("mesh", "mesh_adaptive", "splat")
 """Warps without a twin: golden pictures hold them, tests/client/test_contract.py.
 
@@ -46,8 +48,7 @@ def every_compared() -> list[str]:
     """Each warp with its defaults, its variants, and its settings that are somebody's baseline.
 
     Without mesh:grid=512,ring=0.002, half a million triangles: it is mesh:grid=64 with other
-    numbers. Without what draws a scene and warps no picture: that is
-    compared with the server's pictures, see tests/client/test_model.py.
+    numbers. Without what draws a scene: that is compared in tests/client/test_model.py.
     """
     every = [*every_warp(), *(spec for spec in every_baseline() if spec != "mesh:grid=512,ring=0.002")]
     return [spec for spec in every if parse_warp(spec).entry.kind != "draw"]
@@ -203,6 +204,16 @@ class World:
             self.other_images = tuple(
                 EyeImage(other.view, *self._textures(gpu, other.colour, other.inverse_depth)) for other in self.others
             )
+
+        self.bring_layers(gpu, entry.reads)
+
+    def bring_layers(self, gpu, reads: tuple[str, ...]) -> None:
+        """Noise for each layer that is one texture of the picture's size, and not there yet."""
+        for layer in (layers.get(name.partition(".")[2]) for name in reads if name.startswith("rendered.")):
+            lacks = not layer.always and layer.name not in self.rendered
+            if lacks and layer.size_class == RENDERED and layer.formats in ONE_TEXTURE:
+                texture = self._textures(gpu, *self._picture())[ONE_TEXTURE.index(layer.formats)]
+                self.rendered = self.rendered.having(**{layer.name: texture})
 
     def bring_cube(self, gpu) -> None:
         """Random colours around the rendered eye, faces as wide as the picture's longer side."""

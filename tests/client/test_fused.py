@@ -18,16 +18,8 @@ from hmdwarp.headsets import headset_names, load_headset
 
 WITH_LENS = [name for name in headset_names() if load_headset(name).lens]
 FUSING = [name for name in warps.names() if warps.get(name).fuses]
-WITH_TWIN_AT_PLACES = [
-    "none",
-    "shift",
-    "similarity",
-    "rotation",
-    "rotation:edge=clamp",
-    "planar",
-    "backward",
-    "environment",
-]  # their twins answer for any direction
+# Their twins answer for any direction.
+WITH_TWIN_AT_PLACES = [*(name for name in FUSING if name != "iterative"), "rotation:edge=clamp"]
 SIZES = [
     ((67, 53), (61, 83)),
     ((64, 64), (101, 37)),

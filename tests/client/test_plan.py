@@ -185,6 +185,7 @@ def given_for(gpu, warp: str) -> PassInputs:
     """All that this warp and any fill read, for RENDERED_SIZE and SHOWN_SIZE."""
     world = World(gpu, 1, RENDERED_SIZE, SHOWN_SIZE, moved=False)
     world.bring(gpu, warps.get(warp))
+    world.bring_layers(gpu, tuple(name for fill in fills for name in fill.reads))
     inputs = attrs.evolve(world.inputs(warps.get(warp)), client_inverse_depth=None)
     beside = {Simplified(): allocate(gpu.gl, RENDERED_SIZE, COLOUR)}
     return attrs.evolve(inputs, rendered=inputs.rendered.having(wide=world.rendered, difference=beside))

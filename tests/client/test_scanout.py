@@ -20,7 +20,7 @@ from hmdwarp.geometry import Pose, View
 from hmdwarp.headsets import load_headset
 
 FOLLOWING = [name for name in warps.names() if warps.get(name).scans_out]
-WITH_TWIN_AT_PLACES = ["none", "shift", "rotation", "planar", "environment"]
+WITH_TWIN_AT_PLACES = [name for name in FOLLOWING if name != "iterative"]
 SIZES = [(67, 53), (1, 1), (129, 2)]
 
 

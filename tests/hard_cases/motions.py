@@ -9,7 +9,7 @@ import numpy as np
 
 from hmdwarp.geometry import Fov, Pose, View
 
-from .registry import TWIN, hard_case, twin_case
+from .registry import TWIN, hard_case, knows_one_depth, twin_case
 from .setting import HALF, SIZE, SQUARE, Setting, brings_more_pictures, is_warped_by_the_frame_alone, reads_depth
 
 SLANTED = 0.4 + np.add.outer(
@@ -79,10 +79,10 @@ def points_at_and_behind_the_eye(gpu, name):
     colour[12:17] = (4.0, 0.25, 0.25)  # at and behind the eye: red
     setting = Setting(gpu, near, Pose((0, 0, -1)), colour=colour)
     for picture in setting.pictures(name):
-        # planar and similarity know one depth for all, backward without its test none of the
-        # rendered picture's; what is stretched mixes what is before the eye with what is not
-        others = ("planar", "similarity", "backward:test=off", "mesh:grid=64")
-        if name.removesuffix(":resample=catmull-rom") not in others and not brings_more_pictures(name):
+        # backward without its test knows none of the rendered picture's depth; what is stretched
+        # mixes what is before the eye with what is not
+        others = name in ("backward:test=off", "mesh:grid=64") or knows_one_depth(name)
+        if not others and not brings_more_pictures(name):
             assert (picture.colour[picture.decided][:, 0] <= 0.25 * (1 + 2 * HALF)).all()
 
 
@@ -180,7 +180,7 @@ def zero_baseline(gpu, name):
     for near, far in zip(
         Setting(gpu, SLANTED, pose).pictures(name), Setting(gpu, SLANTED / 8, pose).pictures(name), strict=True
     ):
-        if name in ("none", "shift", "similarity", "rotation", "planar"):
+        if knows_one_depth(name):
             assert np.abs(near.colour - far.colour)[near.decided & far.decided].max(initial=0) <= HALF + 4e-5
 
 

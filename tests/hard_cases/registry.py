@@ -7,10 +7,18 @@ from collections.abc import Callable
 import attrs
 from worlds import every_choice
 
+from hmdwarp.client import parse_warp
+from hmdwarp.client.warp_kinds import HomographyWarp, PlaneWarp
+
 from .setting import Setting
 
 CHOICES = every_choice()
 TWIN = "what the float64 twin says"
+
+
+def knows_one_depth(name: str) -> bool:
+    """Whether a warp moves the whole picture by one homography."""
+    return issubclass(parse_warp(name).entry, HomographyWarp | PlaneWarp)
 
 
 @attrs.frozen

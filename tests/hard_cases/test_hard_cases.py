@@ -19,7 +19,7 @@ def test_warp(gpu, name):
             try:
                 case.run(gpu, name)
             except Exception as error:
-                error.add_note(f"case {case.name}")
+                error.add_note(f"case {case.name}: expected {case.wants}. A warp that means to differ is named there")
                 raise
 
 

@@ -34,11 +34,11 @@ NETWORK = {
 }  # fmt: skip
 MOVES = {"colour", "inverse_depth", "ids", "velocity", "panels"}
 # What each reads of a frame where bodies move: all that crosses, and nothing else does.
-READS = {
-    "depth_image": MOVES, "difference": {"difference"}, "environment": {"cube", "panels"}, "imposter": {"colour"},
-    "irradiance": {"irradiance"}, "layered": MOVES | {"peeled"}, "light": MOVES, "model": set(), "multi": MOVES,
-    "photons": {"photons"}, "points": {"points"}, "proxy": {"colour"}, "rotation": {"colour"},
-    "soft_bodies": MOVES - {"velocity"}, "views": MOVES | {"views"}, "voxels": MOVES,
+READS = dict.fromkeys(strategies.names(), MOVES) | {
+    "difference": {"difference"}, "environment": {"cube", "panels"}, "imposter": {"colour"},
+    "irradiance": {"irradiance"}, "layered": MOVES | {"peeled"}, "model": set(), "photons": {"photons"},
+    "points": {"points"}, "proxy": {"colour"}, "rotation": {"colour"}, "soft_bodies": MOVES - {"velocity"},
+    "views": MOVES | {"views"},
 }  # fmt: skip
 # By float16, float32 and uint16: of a pixel.
 PIXEL = {"colour": 8, "inverse_depth": 4, "ids": 2, "velocity": 8, "difference": 8, "peeled": 12, "views": 12}

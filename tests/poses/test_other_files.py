@@ -1,4 +1,4 @@
-"""Files as other people's software writes them: `files/` holds one pose track in 193 of them.
+"""Files as other people's software writes them: `files/` holds one pose track, `head`, in each.
 
 `files.toml` tells what some need, `files.txt` how each was read. After an intended change
 look at what differs, then write it:

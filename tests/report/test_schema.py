@@ -6,7 +6,7 @@ import math
 import pytest
 
 from hmdwarp.base import InputError
-from hmdwarp.metrics import aggregate
+from hmdwarp.metrics import aggregate, metrics
 from hmdwarp.report import FRAME_COLUMNS, SUMMARY_KEYS, summary_faults, validate_summary
 
 from .samples import a_live_summary, a_summary
@@ -58,7 +58,8 @@ def test_all_faults_are_named_at_once():
 
 def test_columns_are_those_of_the_contract():
     names = "frame eye time_s shown_ns drawn_ns age_ms pose_age_ms pose_origin angular_speed_deg_s linear_speed_m_s"
-    names += " warp_ms fill_ms effects_ms lens_ms total_ms psnr_db ssim flip hole_share border_share flicker"
+    names += " warp_ms fill_ms effects_ms lens_ms total_ms "
+    names += " ".join(metric.name for metric in sorted(metrics, key=lambda metric: metric.order))
     names += " shown_x_m shown_y_m shown_z_m shown_qx shown_qy shown_qz shown_qw drawn_origin"
     names += " drawn_x_m drawn_y_m drawn_z_m drawn_qx drawn_qy drawn_qz drawn_qw warp fill"
     assert tuple(names.split()) == FRAME_COLUMNS

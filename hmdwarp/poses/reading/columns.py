@@ -423,7 +423,7 @@ def with_clock(head: Head, layout: Layout, options: TraceOptions) -> Layout:
     if rate is None:
         if layout.time is None:
             what = f"{head.path} has no time ({head.describe()})"
-            raise TraceError(f"{what}: --trace-rate gives the samples, or numbered frames, per second")
+            raise TraceError(f"{what}: --time-column names it, or --trace-rate gives samples or frames per second")
         if options.time_unit == FRAMES:
             raise TraceError(f"{head.path}: frame numbers are no times: --trace-rate gives the frames per second")
         return layout

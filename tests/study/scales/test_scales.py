@@ -31,13 +31,6 @@ from hmdwarp.study.scales import (
 GRADE = (FOLDER / "grade.toml").read_text(encoding="utf-8")
 
 
-SHIPPED = "acr comments dcr demographics fms grade ipq misc nasa_tlx preference preference_or_tie slider ssq vrsq"
-
-
-def test_shipped_scales_are_complete():
-    assert scale_names() == SHIPPED.split()
-
-
 @together("name", [name for name in scale_names() if load_scale(name).has_answers])
 def test_a_shipped_scale_is_whole(name):
     scale = load_scale(name)
