@@ -51,19 +51,20 @@ def page(address, tmp_path):
 def test_a_walk_200_ms_late_is_near_the_truth(page, gpu, record_property):
     """As a replay measures it: PSNR of all pixels, of frames that were coded.
 
-    The mean of 14 refreshes of six seconds, at the quality that the page asks for by itself.
+    The mean of 7 refreshes of three seconds, at the quality that the page asks for by itself.
     """
-    browser = page("trace=walk&latency=200&warp=iterative&size=640&crf=18", script=CLOCK)
+    browser = page("trace=walk&latency=200&warp=iterative&size=480&crf=18", (480, 300), CLOCK)
     browser.does("(async () => { while (!hmdwarp.session.shown) await stepped(1); })()")
     found, ages = [], []
     with Own(gpu, SAMPLES) as own:
-        for _ in range(14):
+        for _ in range(7):
             looked = look_after(browser, 24)
             off = pictures_of(looked)[0].astype(float) - own.truth(looked)
             found.append(20 * np.log10(255) - 10 * np.log10(np.mean(off**2)))
             ages.append(looked["age"])
     assert min(ages) >= 200 and max(ages) <= 200 + 2 * 1000 / 30
     record_property("psnr_db", float(np.mean(found)))  # workers send plain numbers alone
+    print(found)
     assert np.mean(found) >= 28
 
 
@@ -242,7 +243,7 @@ def test_a_busy_processor_is_not_taken_for_a_slow_link(page):
     browser.until("hmdwarp.session.shown")
     blocks = "const then = performance.now() + 400; while (performance.now() < then);"
     browser.does(f"setInterval(() => {{ {blocks} }}, 900), 0")
-    browser.does("new Promise((go) => setTimeout(go, 9000))")
+    browser.does("new Promise((go) => setTimeout(go, 5000))")
     assert browser.does("hmdwarp.session.pace.mbit === Infinity && hmdwarp.session.pace.way > 0")
 
 
