@@ -260,7 +260,7 @@ def test_a_replay_shows_what_the_page_showed(tmp_path, eyes):
     """
     with (
         Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out")) as server,
-        Browser((480, 320) if eyes == 1 else (192, 104)) as browser,
+        Browser((960, 640) if eyes == 1 else (192, 104)) as browser,
     ):
         browser.send("Page.addScriptToEvaluateOnNewDocument", source=CLOCK.replace("1000 / 60", str(REFRESH_MS)))
         if eyes == 2:
