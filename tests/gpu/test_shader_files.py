@@ -212,23 +212,6 @@ def test_every_define_the_program_sets_is_read(variants):
         assert not unread, f"{path} is given {unread} and does not know it"
 
 
-@together("name", FILES)
-def test_every_file_says_what_it_is(name):
-    """Three lines or more at the top: what it computes. For a stage, spaces in and out and where
-    the method is from."""
-    text = (ROOT / name).read_text(encoding="utf-8")
-    header = re.match(r"(//.*\n)+", text)
-    assert header, "no comment at the top"
-    if name in STAGES:
-        lines = header[0].splitlines()
-        assert len(lines) >= 3
-        assert "In:" in header[0]
-        assert "Out:" in header[0]
-        assert "Source:" in header[0]
-    assert text.endswith("\n")
-    assert "\t" not in text
-
-
 @together("name", [n for n in STAGES if n.endswith(".comp")])
 def test_every_compute_shader_checks_its_bounds_first(name):
     outputs = {"OUTPUT": "lib/to_shown.glsl", "LENS": "lens/radial.glsl"}
