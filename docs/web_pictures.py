@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import tempfile
 from io import BytesIO
 from pathlib import Path
 
@@ -37,10 +36,10 @@ def main() -> None:
 
     Without figures, as the clock is not real.
     """
-    with tempfile.TemporaryDirectory() as folder, Serving(*SERVED) as server:
+    with Serving(*SERVED) as server:
         address = server.line("for a browser").split()[-1]
         for name, size in {**PICTURES, **HEADSET}.items():
-            with Browser(Path(folder) / name, size) as browser:
+            with Browser(size) as browser:
                 browser.send("Page.addScriptToEvaluateOnNewDocument", source=CLOCK)
                 sized(browser, size)
                 if name in HEADSET:

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import json
 import re
-import tempfile
-from pathlib import Path
 
 from apparatus import markdown, options
 from web.browser import Browser, page
@@ -159,7 +157,7 @@ def table() -> str:
     """Return it as Markdown."""
     texts = shaders()
     twins = {name: twin(name, text) for name, text in texts.items()} | {"points": POINTS}
-    with tempfile.TemporaryDirectory() as profile, Browser(Path(profile)) as browser, page(texts) as address:
+    with Browser() as browser, page(texts) as address:
         browser.open(address)
         browser.until("globalThis.chain")
         found = browser.does(f"({COUNTED})({json.dumps(twins)}, {SIDE}, {json.dumps(SIZE)})")

@@ -131,6 +131,8 @@ class Visitors:
         while True:
             await asyncio.sleep(_EVERY_S)
             self.count()
+            for newest in [*self._of.values()][-1:]:  # those who came at both doors at once were not told of each other
+                self._make_place(newest)
             now_s = self._loop.time()
             for one in [*self._of.values()]:
                 if not one.is_page and now_s - one.heard_s > SILENT_S:

@@ -39,26 +39,14 @@ def test_same_pose_gives_the_same_picture_bit_for_bit(gpu, name, size):
 
 
 @pytest.mark.parametrize("name", [name for name in [*CHOICES, *SETTINGS] if has_twin(name)])
-@together("seed", range(6))
+@together("seed", range(7))
 def test_shader_equals_the_float64_twin(gpu, name, seed):
-    size = SIZES[seed % len(SIZES)]
-    shown = size if seed % 2 else (size[0] + 6, max(size[1] - 5, 1))
+    """The last time with an uneven guard band; hard cases have what holds of every picture."""
+    size = (60, 44) if seed == 6 else SIZES[seed % len(SIZES)]
+    shown = size if seed % 2 or seed == 6 else (size[0] + 6, max(size[1] - 5, 1))
     world = World(gpu, seed, size, shown)
-    assert_equals_twin(world.warp(gpu, name), world.reference(name))
-
-
-@pytest.mark.parametrize("name", CHOICES)
-def test_uncovered_is_black_with_alpha_zero_and_nothing_is_nan(gpu, name):
-    out = World(gpu, 3, (67, 53)).warp(gpu, name)
-    assert np.isfinite(out).all()
-    assert set(np.unique(out[..., 3])) <= {0.0, 1.0}
-    assert (out[out[..., 3] == 0] == 0).all()
-
-
-@pytest.mark.parametrize("name", [name for name in CHOICES if has_twin(name)])
-def test_shader_equals_the_float64_twin_with_an_uneven_guard_band(gpu, name):
-    world = World(gpu, 6, (60, 44))
-    world.render_wider(gpu, (1.5, 1.1))
+    if seed == 6:
+        world.render_wider(gpu, (1.5, 1.1))
     assert_equals_twin(world.warp(gpu, name), world.reference(name))
 
 

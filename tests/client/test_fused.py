@@ -31,11 +31,9 @@ SIZES = [
 
 @pytest.mark.parametrize("name", WITH_TWIN_AT_PLACES)
 @pytest.mark.parametrize("headset", WITH_LENS)
-@pytest.mark.parametrize("sizes", SIZES, ids="{0[0][0]}x{0[0][1]}".format)
-def test_equals_the_lens_twin_before_the_warps_twin(gpu, name, headset, sizes):
-    size, panel_size = sizes
-    for eye in (0, 1):
-        chosen = load_headset(headset)
+def test_equals_the_lens_twin_before_the_warps_twin(gpu, name, headset):
+    for number, (size, panel_size) in enumerate(SIZES):
+        eye, chosen = number % 2, load_headset(headset)
         world = world_before(gpu, chosen, eye, 11 + eye, size)
         got = panel_of(gpu, world, name, chosen, eye, panel_size)
         choice = parse_warp(name)

@@ -20,23 +20,20 @@ from hmdwarp.client import (
     PANEL,
     SHOWN,
     SHOWN_DEPTH,
-    Carry,
     Compensator,
     PassInputs,
     Plan,
-    ShownDepth,
     build_plan,
     parse_fills,
-    pictures_read,
 )
 from hmdwarp.client.effects import effects
 from hmdwarp.client.fills import fills
 from hmdwarp.client.lens import lenses
-from hmdwarp.client.warps import Output, warps
+from hmdwarp.client.warps import warps
 from hmdwarp.frames.layers import readable_names
 from hmdwarp.frames.layers.scene_parts import Simplified
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import COLOUR, SCALAR, ShaderLibrary, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, allocate
 
 # Each warp with and without a fill, each fill after a warp that carries depth and one that cannot,
 # chains; each lens; geometry or not.
@@ -139,46 +136,17 @@ def test_only_passes_that_draw_without_geometry_are_impossible():
 RENDERED_SIZE, SHOWN_SIZE = (33, 21), (29, 17)
 
 
-class Asked(ShaderLibrary):
-    """Counts programs as one that compiles them; the session's compiles each once for all cases."""
+@pytest.fixture
+def made(monkeypatch) -> list:
+    """Textures, buffers and framebuffers that are made from now on."""
+    every: list = []
 
-    def __init__(self, gpu) -> None:
-        super().__init__(gpu.gl)
-        self._session = gpu.shaders._session if isinstance(gpu.shaders, Asked) else gpu.shaders
+    def noting(make):
+        return lambda *given, **named: (every.append(make(*given, **named)), every[-1])[1]
 
-    def _get(self, paths, defines, make, grid=None):
-        return super()._get(paths, defines, lambda: self._session._get(paths, defines, make, grid), grid)
-
-
-class Costs:
-    """What a context was asked to make: programs by path, textures, buffers, framebuffers."""
-
-    def __init__(self, gpu, monkeypatch) -> None:
-        self.made: dict[str, list] = {"texture": [], "buffer": [], "framebuffer": []}
-        self.library = Asked(gpu)
-        monkeypatch.setattr(gpu, "shaders", self.library)
-        for kind, made in self.made.items():
-            monkeypatch.setattr(moderngl.Context, kind, self._counting(getattr(moderngl.Context, kind), made))
-
-    @staticmethod
-    def _counting(make, made):
-        def counted(*args, **kwargs):
-            made.append(make(*args, **kwargs))
-            return made[-1]
-
-        return counted
-
-    @property
-    def counts(self) -> dict[str, int]:
-        return {kind: len(made) for kind, made in self.made.items()} | {"program": len(self.library)}
-
-    def paths(self) -> set[str]:
-        return {part for key in self.library._cache for part in key if isinstance(part, str)}
-
-    def alive(self) -> list:
-        return [
-            thing for made in self.made.values() for thing in made if not isinstance(thing.mglo, moderngl.InvalidObject)
-        ]
+    for kind in ("texture", "buffer", "framebuffer"):
+        monkeypatch.setattr(moderngl.Context, kind, noting(getattr(moderngl.Context, kind)))
+    return every
 
 
 def given_for(gpu, warp: str) -> PassInputs:
@@ -202,67 +170,28 @@ def geometry(gpu):
     return scene
 
 
-def alone(gpu, monkeypatch, choice, geometry) -> Costs:
-    """What warp and fills need by themselves, and the shown depth where a fill reads it."""
-    costs = Costs(gpu, monkeypatch)
-    chain, warp_type = parse_fills(choice[1]), warps.get(choice[0])
-    reads_depth = any(SHOWN_DEPTH in fill.entry.reads for fill in chain)
-    beside = reads_depth and warp_type.depth_reads is not None
-    warp = warp_type(gpu, RENDERED_SIZE, SHOWN_SIZE, output=Output(depth=beside), geometry=geometry)
-    made = [warp]
-    for k, one in enumerate(chain):
-        read = any(SHOWN_DEPTH in after.entry.reads for after in chain[k + 1 :])
-        made.append(one.entry(gpu, RENDERED_SIZE, SHOWN_SIZE, one.settings, geometry, depth_read=read))
-    if reads_depth and not beside:
-        made.append(ShownDepth(gpu, Carry(warp), pictures_read(warp.needs(warp.settings)), RENDERED_SIZE, SHOWN_SIZE))
-    for resource in made:
-        resource.close()
-    return costs
-
-
 @pytest.mark.parametrize("choice", POSSIBLE, ids=str)
-def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
+def test_a_plan_runs_its_steps_makes_nothing_later_and_frees_all(gpu, choice, geometry, made):
+    """What a pass that is left out spares is counted in tests/test_pays_nothing.py."""
     warp, fill, lens, _ = choice
-    plan, inputs, chain = plan_of(*choice), given_for(gpu, warp), parse_fills(fill)
-    once = Costs(gpu, monkeypatch)  # what the client's model makes at its first use belongs to the geometry
-    alone(gpu, monkeypatch, choice, geometry)
-    del once
-    own = alone(gpu, monkeypatch, choice, geometry)
-    own_counts, own_paths = own.counts, own.paths()
-    costs = Costs(gpu, monkeypatch)
-    compensator = Compensator(gpu, plan, headset_for(lens), RENDERED_SIZE, SHOWN_SIZE, geometry)
-    # A canvas per eye for the warp, one more for each pass after it; an inverse depth after the
-    # warp, and one more after each fill that writes one, where anybody reads it (or the fill has no
-    # other way); the client's depth once.
-    canvases = 2 * (1 + len(chain) + (lens != "none"))
-    has_depth = any(SHOWN_DEPTH in fill.entry.reads for fill in chain)
-    writing = [fill for fill in chain if SHOWN_DEPTH in fill.entry.writes]
-    kept = [fill for fill in writing if plan.reads_depth_after(fill) or not fill.entry.drops_depth]
-    depths = 2 * (1 + len(kept)) if has_depth else 0
-    depths += plan.draws_client_depth
-    assert len(costs.made["texture"]) == own_counts["texture"] + canvases + depths
-    assert len(costs.made["framebuffer"]) == own_counts["framebuffer"] + canvases
-    assert len(costs.made["buffer"]) == own_counts["buffer"]
-    others = {path for path in costs.paths() if path not in own_paths}
-    assert {path.split("/")[0] for path in others} == ({"lens"} if lens != "none" else set())
-
-    result = [compensator.run(attrs.evolve(inputs, eye=eye)) for eye in (0, 1)][-1]
-    before = costs.counts
-    gpu.timer.collect()
-    for eye in (0, 1, 0):
-        result = compensator.run(attrs.evolve(inputs, eye=eye))
-    assert costs.counts == before, "run() compiles and allocates nothing"
-    assert (result.shown is result.warped) == (fill == "none")
-    assert (result.panel is result.shown) == (lens == "none")
-    assert [name for name, _ in result.filled] == [fill.entry.name for fill in chain]
-    stages = [name for name, _ in gpu.timer.collect()]
-    assert stages == [step.stage for step in plan.steps] * 3
-
-    compensator.close()
-    # A framebuffer over a texture belongs to whoever draws into it, here the client's geometry,
-    # which is not closed.
-    left = [thing for thing in costs.alive() if not (_draws(warp, fill) and isinstance(thing, moderngl.Framebuffer))]
-    assert left == [], "close() frees everything"
+    plan, inputs = plan_of(*choice), given_for(gpu, warp)
+    for _ in range(2):  # what the client's model makes at its first use belongs to the geometry
+        made.clear()
+        compensator = Compensator(gpu, plan, headset_for(lens), RENDERED_SIZE, SHOWN_SIZE, geometry)
+        for eye in (0, 1):
+            compensator.run(attrs.evolve(inputs, eye=eye))
+        gpu.timer.collect()
+        before = len(made), len(gpu.shaders)
+        result = [compensator.run(attrs.evolve(inputs, eye=eye)) for eye in (0, 1, 0)][-1]
+        assert (len(made), len(gpu.shaders)) == before, "run() compiles and allocates nothing"
+        assert (result.shown is result.warped) == (fill == "none")
+        assert (result.panel is result.shown) == (lens == "none")
+        assert [name for name, _ in result.filled] == [step.entry.name for step in parse_fills(fill)]
+        assert [name for name, _ in gpu.timer.collect()] == [step.stage for step in plan.steps] * 3
+        compensator.close()
+    left = [thing for thing in made if not isinstance(thing.mglo, moderngl.InvalidObject)]
+    # A framebuffer over a texture belongs to whoever draws into it, here the client's geometry.
+    assert not left or (_draws(warp, fill) and all(isinstance(thing, moderngl.Framebuffer) for thing in left))
 
 
 def test_a_runtime_corrects_the_lens_and_gets_the_depth():

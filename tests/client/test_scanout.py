@@ -53,8 +53,7 @@ def test_every_row_has_its_own_view(gpu, name, seed):
     assert_equals_twin(got, wanted, 0.9)
 
 
-@pytest.mark.parametrize("name", WITH_TWIN_AT_PLACES)
-@pytest.mark.parametrize("eye", [0, 1])
+@pytest.mark.parametrize(("eye", "name"), [(k % 2, name) for k, name in enumerate(WITH_TWIN_AT_PLACES)])
 def test_fused_every_row_of_the_panel_has(gpu, name, eye):
     headset, panel_size = load_headset("rift-dk1"), (61, 47)
     world = world_before(gpu, headset, eye, 30 + eye, (67, 53))

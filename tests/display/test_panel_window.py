@@ -42,10 +42,10 @@ class Panel(Led):
         self.grab()
         return self.say("where")["places"]
 
-    def to(self, label: str) -> tuple[int, int]:
-        """The mouse to the middle of a widget; where that is."""
+    def to(self, label: str, *then: object) -> tuple[int, int]:
+        """The mouse to the middle of a widget, and what it does there; where that is."""
         x, y = map(round, self.places()[label])
-        self.hand("mousemove", x, y)
+        self.hand("mousemove", x, y, *then)
         return x, y
 
     def wanted(self, key: str) -> set[bool | None]:
@@ -157,8 +157,7 @@ def test_switches_and_buttons_ask_for_what_they_say(led):
         asks.append((text, [(name, None)]))
     assert {"quit (Esc)", "full screen (F11)", "grab (B)"} <= {text for text, _ in asks}
     for text, expected in asks:
-        led.to(text)
-        led.hand("click", "1")
+        led.to(text, "sleep", "0.1", "click", "1")
         assert led.asked() == expected, text
 
 

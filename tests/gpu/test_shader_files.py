@@ -1,10 +1,9 @@
-"""The shaders that are shipped: each compiles as used, each side of each #if is taken."""
+"""The shaders that are shipped: each compiles as used, and what is used of them."""
 
 from __future__ import annotations
 
 import re
 from contextlib import suppress
-from dataclasses import dataclass, field
 from itertools import combinations, product
 
 import attrs
@@ -18,7 +17,7 @@ from worlds import every_choice
 from hmdwarp.base import MachineError, folder
 from hmdwarp.client import Carry, ShownDepth, every_fill, parse_fills, parse_warp
 from hmdwarp.client.effects import EXPANDED, ExpandPass, Tools, effects
-from hmdwarp.client.lens import GPU_DEFINES, SOFTWARE_DEFINES, LensPass, lenses
+from hmdwarp.client.lens import LensPass, lenses
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.display import Presenter
 from hmdwarp.frames import Needs
@@ -202,21 +201,6 @@ def test_every_include_is_used(variants):
     assert {name for name in FILES if name.endswith(".glsl")} <= reached
 
 
-def test_every_side_of_every_condition_is_compiled(gpu, variants):
-    sides = Sides()
-    # A program for the panel is compiled in one way on GPUs, in another on llvmpipe.
-    ways = [set(each.items()) for each in (GPU_DEFINES, SOFTWARE_DEFINES)]
-    here, elsewhere = reversed(ways) if gpu.is_software else ways
-    others = {(path, (*(set(defines) - here), *elsewhere)) for path, defines in variants if here <= set(defines)}
-    others |= {(path, tuple(set(defines) - {("TEXELS", 1)})) for path, defines in variants}
-    for path, defines in variants | others:
-        flat = flatten(path, dict(defines))
-        walk(flat.lines, flat.origins, sides)
-    left = sorted(f"{origin[0]}:{origin[1]}: {side}" for origin, side in sides.known - sides.taken)
-    assert not left, "no variant that the program compiles takes these sides"
-    assert any(side == "#if PASS == 0" for _, side in sides.taken), "then nothing was read"
-
-
 def test_every_define_the_program_sets_is_read(variants):
     """By the file itself, or by another stage of drawing, which is given the same with it."""
     words = {name: set(re.findall(r"\w+", (ROOT / name).read_text(encoding="utf-8"))) for name in FILES}
@@ -226,23 +210,6 @@ def test_every_define_the_program_sets_is_read(variants):
         pair = (words[other] for other in (drawn if path in drawn else {path}))
         unread = {name for name, _ in defines} - shared.union(*pair)
         assert not unread, f"{path} is given {unread} and does not know it"
-
-
-@together("name", FILES)
-def test_every_file_says_what_it_is(name):
-    """Three lines or more at the top: what it computes. For a stage, spaces in and out and where
-    the method is from."""
-    text = (ROOT / name).read_text(encoding="utf-8")
-    header = re.match(r"(//.*\n)+", text)
-    assert header, "no comment at the top"
-    if name in STAGES:
-        lines = header[0].splitlines()
-        assert len(lines) >= 3
-        assert "In:" in header[0]
-        assert "Out:" in header[0]
-        assert "Source:" in header[0]
-    assert text.endswith("\n")
-    assert "\t" not in text
 
 
 @together("name", [n for n in STAGES if n.endswith(".comp")])
@@ -282,74 +249,3 @@ def test_there_is_no_array_of_bool(name):
     """Zink over lavapipe makes no pipeline of one (Mesa 22.3), and crashes where it should run."""
     text = re.sub(r"//.*", "", (ROOT / name).read_text(encoding="utf-8"))
     assert not re.search(r"\bbool\s+\w+\s*\[|\bbool\s*\[", text)
-
-
-# --- just enough of GLSL's preprocessor to tell which side of each #if is taken -------------------
-
-
-_DIRECTIVE = re.compile(r"^\s*#\s*(if|ifdef|ifndef|elif|else|endif|define|undef)\b\s*(.*?)\s*(?://.*)?$")
-_NAME = re.compile(r"[A-Za-z_]\w*")
-
-
-@dataclass
-class Sides:
-    """Lines (as flattened) of conditionals: the sides there are, and those a variant takes. A
-    missing #else is a side too."""
-
-    known: set[tuple[object, str]] = field(default_factory=set)
-    taken: set[tuple[object, str]] = field(default_factory=set)
-
-
-def value_of(expression: str, defines: dict[str, str]) -> bool:
-    """An #if expression of integers, names, defined(), comparisons and && || !.
-
-    Unknown names are 0, as in C.
-    """
-    text = re.sub(
-        r"defined\s*\(\s*(\w+)\s*\)|defined\s+(\w+)", lambda m: str(int((m[1] or m[2]) in defines)), expression
-    )
-    for _ in range(8):  # defines made of defines
-        text = _NAME.sub(lambda m: f"({defines[m[0]]})" if m[0] in defines else "0", text)
-    text = re.sub(r"!(?!=)", " not ", text.replace("&&", " and ").replace("||", " or "))
-    if not re.fullmatch(r"[\d\s()<>=!+\-*/%andort]*", text):
-        raise ValueError(f"this reader does not know '#if {expression}'")
-    return bool(eval(text))  # noqa: S307 - digits and operators only
-
-
-def opens(word: str, rest: str, defines: dict[str, str]) -> bool:
-    """Whether `#word rest` opens its side."""
-    return value_of(rest, defines) if word == "if" else (rest in defines) == (word == "ifdef")
-
-
-def walk(lines: list[str], origins: list[object], sides: Sides) -> dict[str, str]:
-    """Add to `sides` what this text has and takes; returns the names defined at its end."""
-    defines: dict[str, str] = {}
-    stack: list[list] = []  # [origin of the #if, is live outside, has taken a side, is live, has #else]
-    for line, origin in zip(lines, origins, strict=True):
-        match = _DIRECTIVE.match(line)
-        if not match:
-            continue
-        word, rest = match.groups()
-        live = all(level[3] for level in stack)
-        if word in ("if", "ifdef", "ifndef"):
-            truth = live and opens(word, rest, defines)
-            stack.append([origin, live, truth, truth, False])
-            sides.known.add((origin, f"#{word} {rest}"))
-            sides.taken |= {(origin, f"#{word} {rest}")} if truth else set()
-        elif word in ("elif", "else"):
-            start, outside, had, _, _ = stack[-1]
-            truth = outside and not had and (word == "else" or value_of(rest, defines))
-            stack[-1] = [start, outside, had or truth, truth, word == "else"]
-            sides.known.add((origin, f"#{word} {rest}".strip()))
-            sides.taken |= {(origin, f"#{word} {rest}".strip())} if truth else set()
-        elif word == "endif":
-            start, outside, had, _, has_else = stack.pop()
-            if not has_else:
-                sides.known.add((start, "none of its sides"))
-                sides.taken |= {(start, "none of its sides")} if outside and not had else set()
-        elif live and word == "define":
-            name = _NAME.match(rest)[0]
-            defines[name] = rest[len(name) :].strip() or "1"
-        elif live:
-            defines.pop(rest, None)
-    return defines

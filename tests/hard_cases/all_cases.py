@@ -1,3 +1,3 @@
 """Imports every module of cases, so that each is filed."""
 
-from . import depths, images, motions, numbers  # noqa: F401
+from . import depths, images, motions  # noqa: F401

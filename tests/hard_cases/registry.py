@@ -26,21 +26,20 @@ class HardCase:
     name: str
     wants: str  # a sentence for the table
     run: Callable[..., None]
-    warps: tuple[str, ...]  # the names it is run for, () if it needs none
+    warps: tuple[str, ...]  # the names it is run for
 
 
 CASES: list[HardCase] = []
 
 
-def hard_case(wants: str, applies: Callable[[str], bool] | None = lambda name: True):
+def hard_case(wants: str, applies: Callable[[str], bool] = lambda name: True):
     """File the decorated function(gpu, name) as a case for every warp, with each word of its
-    settings, that `applies`; None: function() needs no warp. Its docstring says why it is hard.
+    settings, that `applies`. Its docstring says why it is hard.
     """
 
     def register(run: Callable[..., None]) -> Callable[..., None]:
         assert run.__doc__ and run.__name__ not in {case.name for case in CASES}, run.__name__
-        names = () if applies is None else tuple(spec for spec in CHOICES if applies(spec))
-        CASES.append(HardCase(run.__name__, wants, run, names))
+        CASES.append(HardCase(run.__name__, wants, run, tuple(filter(applies, CHOICES))))
         return run
 
     return register

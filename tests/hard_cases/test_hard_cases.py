@@ -9,8 +9,6 @@ import pytest
 from . import all_cases  # noqa: F401 (files them)
 from .registry import CASES, CHOICES, markdown
 
-ALONE = [case for case in CASES if not case.warps]
-
 
 @pytest.mark.parametrize("name", CHOICES)
 def test_warp(gpu, name):
@@ -21,11 +19,6 @@ def test_warp(gpu, name):
             except Exception as error:
                 error.add_note(f"case {case.name}: expected {case.wants}. A warp that means to differ is named there")
                 raise
-
-
-@pytest.mark.parametrize("case", ALONE, ids=[case.name for case in ALONE])
-def test_without_a_warp(case):
-    case.run()
 
 
 def test_the_table_in_the_docs_is_that_of_the_cases():

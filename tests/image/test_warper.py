@@ -80,12 +80,13 @@ def numbers(kind: type, channels: int, rng: np.random.Generator) -> np.ndarray:
     return values.astype(kind)
 
 
-@pytest.mark.parametrize("form", ["metres", "float64", "float16", "millimetres", "int32", "masked"])
-@pytest.mark.parametrize("channels", [3, 4])
-@pytest.mark.parametrize(
-    ("kind", "encoding"),
-    [(np.uint8, None), (np.float16, "linear"), (np.float32, "linear"), (np.float64, "linear"), (np.float32, "srgb")],
-)
+KINDS = [(np.uint8, None), *((kind, "linear") for kind in (np.float16, np.float32, np.float64)), (np.float32, "srgb")]
+FORMS = ("metres", "float64", "float16", "millimetres", "int32", "masked")
+# Every pair of kind, channels and form.
+OF_ARRAYS = [(*kind, 3 + (k + n) % 2, form) for k, kind in enumerate(KINDS) for n, form in enumerate(FORMS)]
+
+
+@pytest.mark.parametrize(("kind", "encoding", "channels", "form"), OF_ARRAYS)
 def test_arrays_are_taken_over_as_in_float64(kind, encoding, channels, form, gpu):
     """The same arrays by NumPy in float64, then rounded to what textures hold.
 

@@ -1,6 +1,6 @@
 """Tests with a real OpenXR runtime run in Monado's root (root.py), by a pytest of their own.
 
-Outside, test_beside_monado.py starts that pytest for each file here.
+Outside, test_beside_monado.py starts that pytest.
 """
 
 from __future__ import annotations

@@ -291,6 +291,16 @@ def test_slerp_is_scipys(a, share):
     assert np.allclose(many, quaternions.slerp(a.tolist(), b.tolist(), share), rtol=0, atol=1e-15)
 
 
+@pytest.mark.parametrize("angle", [1e-8, np.pi, np.nextafter(np.pi, 0)])
+def test_slerp_at_the_ends_of_its_formula(angle):
+    """The sine of the angle is divided by itself; that of pi is not 0 in floating point."""
+    a, b = ([0.0, np.sin(half), 0.0, np.cos(half)] for half in (0.5, 0.5 + angle / 2))
+    for share in (0.0, 0.25, 0.5, 0.75, 1.0):
+        got = np.array(quaternions.slerp(a, b, share))
+        assert abs(np.linalg.norm(got) - 1) <= 1e-15
+        assert abs(2 * np.arcsin(min(np.linalg.norm(got - a) / 2, 1)) * 2 - share * angle) <= 1e-7 * angle
+
+
 @given(st.lists(st.booleans(), min_size=1, max_size=30))
 def test_signs_become_continuous_without_changing_a_rotation(flips):
     smooth = quaternions.from_rotation_vector(np.linspace(0, 5, len(flips))[:, None] * np.array([0.1, 1.0, 0.2]))

@@ -220,7 +220,7 @@ class TestInChromium:
         """By keys and by touch, also where a picture is enlarged; without scripts there is none."""
         (tmp_path / "page.html").write_text(text, encoding="utf-8")
         enlarged, box = "document.querySelectorAll('.zoom:has(:checked) img')", "one => one.getBoundingClientRect()"
-        with Browser(tmp_path / "profile", (390, 780)) as browser:
+        with Browser((390, 780)) as browser:
             browser.open((tmp_path / "page.html").as_uri())
             browser.until("document.querySelectorAll('.slides .over').length === 6")
             browser.does("(globalThis.slider = document.querySelector('.slider input')).focus()")

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import atexit
 import base64
+import functools
 import itertools
 import json
+import shutil
 import subprocess
 import tarfile
+import tempfile
 import threading
 import time
 from collections.abc import Iterator, Sequence
@@ -100,42 +104,37 @@ class Ended(Exception):
     """Chromium or the page in it is gone, so that nothing it was asked will be answered."""
 
 
-class Browser:
-    """One page. Use it in a `with`."""
+@functools.cache
+def _chromium() -> str:
+    """Start one for all pages of this process, which share its compiled shaders; its address."""
+    profile = Path(tempfile.mkdtemp())
+    command = [CHROMIUM, *FLAGS, f"--user-data-dir={profile}", "about:blank"]
+    process = subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    atexit.register(lambda: (process.kill(), process.wait(), shutil.rmtree(profile, ignore_errors=True)))
+    told = profile / "DevToolsActivePort"  # where it says its address; a pipe would stay open in what it starts
+    while len(lines := told.read_text(encoding="utf-8").splitlines() if told.exists() else []) < 2:
+        assert process.poll() is None, "Chromium ended before it listened"
+        time.sleep(0.02)
+    return f"ws://127.0.0.1:{lines[0]}{lines[1]}"
 
-    def __init__(self, profile: Path, size: tuple[int, int] = (960, 600)) -> None:
-        command = [CHROMIUM, *FLAGS, f"--window-size={size[0]},{size[1]}", f"--user-data-dir={profile}", "about:blank"]
-        # Where it says its address; a pipe would stay open in what it starts.
-        self._told = profile / "DevToolsActivePort"
-        self._told.unlink(missing_ok=True)
-        self._process = subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+
+class Browser:
+    """One page, with cookies of its own. Use it in a `with`."""
+
+    def __init__(self, size: tuple[int, int] = (960, 600)) -> None:
         self._numbers, self._session = itertools.count(1), ""
         # What the page itself said: errors, warnings, refused loads.
         self.said: list[str] = []
         # Whether its scripts threw something that nobody caught.
         self.has_failed = False
         self._loop = asyncio.new_event_loop()
-        try:
-            self._loop.run_until_complete(self._connect(self._address()))
-            page = self.send("Target.createTarget", url="about:blank")["targetId"]
-            self._session = self.send("Target.attachToTarget", targetId=page, flatten=True)["sessionId"]
-            self.send_all(*((f"{domain}.enable", {}) for domain in ("Page", "Runtime", "Log", "Inspector")))
-            self.send("Page.addScriptToEvaluateOnNewDocument", source=HEARD)
-        except BaseException:
-            self._kill()
-            raise
-
-    def _kill(self) -> None:
-        self._process.kill()
-        self._process.wait()
-
-    def _address(self) -> str:
-        while True:
-            ended, told = self._process.poll() is not None, self._told
-            if len(lines := told.read_text(encoding="utf-8").splitlines() if told.exists() else []) == 2:
-                return f"ws://127.0.0.1:{lines[0]}{lines[1]}"
-            assert not ended, "Chromium ended before it listened"
-            time.sleep(0.02)
+        self._loop.run_until_complete(self._connect(_chromium()))
+        apart = self.send("Target.createBrowserContext", disposeOnDetach=True)
+        page = self.send("Target.createTarget", url="about:blank", newWindow=True, **apart)["targetId"]
+        self._session = self.send("Target.attachToTarget", targetId=page, flatten=True)["sessionId"]
+        self.send_all(*((f"{domain}.enable", {}) for domain in ("Page", "Runtime", "Log", "Inspector")))
+        self.send("Page.addScriptToEvaluateOnNewDocument", source=HEARD)
+        self.resize(*size)
 
     async def _connect(self, address: str) -> None:
         self._http = aiohttp.ClientSession()
@@ -208,7 +207,6 @@ class Browser:
 
     def __exit__(self, *_: object) -> None:
         self._loop.run_until_complete(self._http.close())
-        self._kill()
         self._loop.close()
 
 

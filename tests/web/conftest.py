@@ -10,8 +10,8 @@ from .browser import Browser, page
 
 
 @pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    with Browser(tmp_path_factory.mktemp("profile")) as driven, page(shaders()) as address:
+def browser():
+    with Browser() as driven, page(shaders()) as address:
         driven.open(address)
         driven.until("globalThis.chain")
         yield driven

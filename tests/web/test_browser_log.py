@@ -260,11 +260,9 @@ def test_a_replay_shows_what_the_page_showed(tmp_path, eyes):
     """
     with (
         Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out")) as server,
-        Browser(tmp_path / "profile", (960, 640)) as browser,
+        Browser((960, 640) if eyes == 1 else (192, 104)) as browser,
     ):
         browser.send("Page.addScriptToEvaluateOnNewDocument", source=CLOCK.replace("1000 / 60", str(REFRESH_MS)))
-        wide = (960, 640) if eyes == 1 else (192, 104)
-        browser.resize(*wide)
         if eyes == 2:
             wear(browser, CANTED)
         asks = f"&raw&trace=walk&warp=iterative&size=96&rate=120&latency={LATENCY_MS}"

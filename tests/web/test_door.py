@@ -201,13 +201,21 @@ def test_what_the_server_refuses_is_told_and_who_speaks_otherwise_is_cut(inside)
         assert spoken(inside, message) == []
 
 
-def test_who_says_nothing_is_cut(monkeypatch):
+def test_who_says_nothing_or_never_finishes_a_head_is_cut(monkeypatch):
     """One that has spoken stays: a page that is hidden says nothing either."""
-    monkeypatch.setattr(visitors, "SILENT_S", 1.0)
-    jar = CookieJar()
-    with closing(Door("127.0.0.1:*", *NOWHERE)) as door:
+    monkeypatch.setattr(visitors, "SILENT_S", 0.5)
+    monkeypatch.setattr(visitors, "_EVERY_S", 0.05)
+    jar, said = CookieJar(), []
+    with closing(Door("127.0.0.1:*", *NOWHERE, say=said.append)) as door:
         opened(door.address, jar)
         assert spoken((door.address.partition("?")[0], jar)) == []
+        with ExitStack() as stack:
+            silent, slow = (stack.enter_context(socket.create_connection(place(door.address))) for _ in range(2))
+            slow.sendall(b"GET / HTTP/1.1\r\n")
+            for one in (silent, slow):
+                with suppress(ConnectionResetError):
+                    assert one.recv(1) == b""
+    assert any("no whole request" in line for line in said)
 
 
 REFUSED = [  # by a place that is taken and a folder
@@ -302,14 +310,14 @@ def test_a_file_is_a_scene_too():
 KINDS = settings(max_examples=60, suppress_health_check=ONE_FIXTURE_FOR_ALL)
 
 
-def place(serving) -> tuple[str, int]:
-    return urlsplit(serving.door).hostname, urlsplit(serving.door).port
+def place(address: str) -> tuple[str, int]:
+    return urlsplit(address).hostname, urlsplit(address).port
 
 
 def answer(serving, *pieces: bytes) -> bytes:
     """What comes back until the door closes, which may be before all is sent."""
     found = b""
-    with socket.create_connection(place(serving)) as one, suppress(OSError):  # cut, or so when it is to be shut
+    with socket.create_connection(place(serving.door)) as one, suppress(OSError):  # cut, or so when it is to be shut
         one.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         for piece in pieces:
             one.sendall(piece)
@@ -348,7 +356,7 @@ def test_any_request_is_refused_without_a_traceback(serving, request_, cuts, sto
     pieces = [request_[first:last] for first, last in itertools.pairwise([0, *ends, len(request_)])]
     with ExitStack() as stack:
         for _ in range(stopped):
-            stack.enter_context(socket.create_connection(place(serving))).sendall(pieces[0])
+            stack.enter_context(socket.create_connection(place(serving.door))).sendall(pieces[0])
         found = answer(serving, *pieces)
     assert not found or int(found.split()[1]) in range(400, 432), found[:200]
     assert "Traceback" not in "".join(serving._said)
@@ -405,6 +413,7 @@ def test_an_address_has_its_places_at_both_doors_together(monkeypatch):
     for name, value in (("IDLE_NS", 10**15), ("SILENT_NS", 10**15)):
         monkeypatch.setattr(sockets, name, value)
     monkeypatch.setattr(visitors, "SILENT_S", 1e6)
+    monkeypatch.setattr(visitors, "_EVERY_S", 0.02)
     with closing(Listener("127.0.0.1:*", per_address=4)) as listener, ExitStack() as stack:
         door = stack.enter_context(closing(Door("127.0.0.1:*", listener.address, {}, {}, places=listener.places)))
         web, feed = (("127.0.0.1", port_of(one.partition("/?")[0])) for one in (door.address, listener.address))
@@ -424,23 +433,13 @@ def test_an_address_has_its_places_at_both_doors_together(monkeypatch):
 def test_a_crowd_shuts_nobody_out_and_leaves_nothing_behind(serving, inside):
     """More than all may be at both doors, from one address."""
     cookie = "; ".join(f"{one.name}={one.value}" for one in inside[1])
-    asyncio.run(Crowd(serving, cookie).all(1.0, 0, 1))
+    asyncio.run(Crowd(serving, cookie).all(0.5, 0, 1))
     before_mib, before = held_by(serving.process.pid)
     crowd = Crowd(serving, cookie)
-    asyncio.run(crowd.all(5.0, 6 * MOST_VISITORS, 6))
+    asyncio.run(crowd.all(2.0, 6 * MOST_VISITORS, 6))
     assert crowd.frames >= 5
     left_s = time.monotonic()
     while held_by(serving.process.pid)[1] > before and time.monotonic() - left_s < 100:
         time.sleep(0.1)
     after_mib, after = held_by(serving.process.pid)
     assert after <= before and after_mib < before_mib + 64
-
-
-def test_who_never_finishes_a_head_is_cut(serving):
-    """And so is one that is sent what it does not read."""
-    with socket.create_connection(place(serving)) as silent, socket.create_connection(place(serving)) as slow:
-        slow.sendall(b"GET / HTTP/1.1\r\n")
-        for one in (silent, slow):
-            with suppress(ConnectionResetError):
-                assert one.recv(1) == b""
-    assert serving.line("no whole request")

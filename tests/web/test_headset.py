@@ -43,14 +43,12 @@ BOTH = "hmdwarp.session.xr && hmdwarp.session.shown.eyes.length === 2"
 
 
 @pytest.fixture
-def worn(tmp_path):
+def worn():
     """A function that opens a page and enters VR, in a headset of 2 x 120 x 130 pixels."""
     opened = []
 
     def enter(address: str) -> Browser:
-        browser = Browser(tmp_path / "profile").__enter__()
-        opened.append(browser)
-        browser.resize(240, 130)
+        opened.append(browser := Browser((240, 130)))
         wear(browser)
         browser.open(address)
         browser.until("hmdwarp.session.shown && !document.getElementById('enter').hidden")
@@ -72,7 +70,7 @@ def port_of(address: str) -> int:
     return int(address.partition("/?")[0].rpartition(":")[2])
 
 
-def test_a_hundred_refreshes_are_our_own_warp_at_their_ages(worn, gpu):
+def test_fifty_refreshes_are_our_own_warp_at_their_ages(worn, gpu):
     """As tests/web/test_page.py has it for one refresh of a window, by the same bound.
 
     With a panel in the world and one on the head.
@@ -92,13 +90,13 @@ def test_a_hundred_refreshes_are_our_own_warp_at_their_ages(worn, gpu):
             browser.until("hmdwarp.session.shown.number > before")
             return browser.does(looks(count))
 
-        shown = then(20) + then(20) + then(20)
+        shown = then(12) + then(12)
         relay.is_stalled = True  # as a loss stops TCP
-        shown += browser.does(looks(10))
+        shown += browser.does(looks(6))
         relay.is_stalled = False
         relay.cut()
-        shown += then(30)
-        assert len({look["age"] for look in shown}) > 50 and min(look["age"] for look in shown) >= 100
+        shown += then(20)
+        assert len({look["age"] for look in shown}) > 25 and min(look["age"] for look in shown) >= 100
         assert len({look["time"] for look in shown}) > 3
         known = []
         for look in shown:
@@ -110,7 +108,7 @@ def test_a_hundred_refreshes_are_our_own_warp_at_their_ages(worn, gpu):
                 off = np.abs(picture.astype(int) - here.colour).max(axis=-1)
                 assert np.mean(seen & (off > 2)) <= 0.01, look["age"]
                 known.append(seen.mean())
-        assert np.mean(known) > 0.5 and len(known) == 200
+        assert np.mean(known) > 0.5 and len(known) == 100
         browser.does(BUFFERS)
         for _ in range(20):
             browser.does(HIDES)
@@ -134,8 +132,7 @@ def test_a_bench_times_every_chain_and_in_a_headset_its_own_views(tmp_path):
     """
     benched = "hmdwarp.session.benched"
     options = ("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out"))
-    with Serving(*options) as server, Browser(tmp_path / "profile") as browser:
-        browser.resize(240, 130)
+    with Serving(*options) as server, Browser((240, 130)) as browser:
         wear(browser)
         browser.open(server.line("for a browser").split()[-1] + "&raw&size=96&bench&latency=100")
         browser.until(f"{benched} && !hmdwarp.session.isBusy")
@@ -208,11 +205,10 @@ def test_a_server_started_anew(worn, tmp_path, keeps_its_secret):
         browser.until(GOES_ON if keeps_its_secret else says("does not accept this browser any more"))
 
 
-def test_controllers_push_switch_and_grab(tmp_path):
+def test_controllers_push_switch_and_grab():
     """What the hand's ray means, or a key, by the light of what is drawn for a still head."""
-    with Serving("--scene", "playroom", "--web", "127.0.0.1:*") as server, Browser(tmp_path / "profile") as browser:
+    with Serving("--scene", "playroom", "--web", "127.0.0.1:*") as server, Browser((160, 80)) as browser:
         browser.send("Page.addScriptToEvaluateOnNewDocument", source=CLOCK)
-        browser.resize(160, 80)
         wear(browser, "globalThis.moved = () => headset.position.set(0, 1.6, 0);")
         browser.open(server.line("for a browser").split()[-1] + "&raw&size=64&latency=0&rate=120")
         connected = "hmdwarp.session.feed.socket.readyState === 1"

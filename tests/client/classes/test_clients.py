@@ -37,11 +37,11 @@ def _plan(client: str, warp: str, fill: str):
     return build_plan_for(PipelineOptions(client=client, warp=warp, fill=fill, lens="none"), None, None)
 
 
-@together("name, warp", product(client_names(), every_warp()))
-def test_no_plan_for_a_client_uses_what_it_lacks(name, warp):
-    """By what the plan's steps read, and by the settings of its fills."""
+@together("number, name, warp", [(k, *both) for k, both in enumerate(product(client_names(), every_warp()))])
+def test_no_plan_for_a_client_uses_what_it_lacks(number, name, warp):
+    """By what the steps read, and by settings of fills; of these each warp has every third."""
     client, sent = load_client(name), {layer.readable() for layer in layers if layer.drawn_by}
-    for fill in every_fill():
+    for fill in every_fill()[number % 3 :: 3]:
         try:
             plan = _plan(name, warp, fill)
         except PlanError as error:

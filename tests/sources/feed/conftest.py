@@ -7,15 +7,19 @@ from contextlib import ExitStack
 import pytest
 from serving import Serving
 
+from hmdwarp.pipeline import remote
 from hmdwarp.sources.feed import listener as listening
 from hmdwarp.sources.feed import sockets
 
 
 @pytest.fixture(autouse=True)
 def nobody_is_silent(monkeypatch):
-    """A machine that stands still makes clients of this process silent: tests of silence set it."""
+    """A machine that stands still makes clients of this process silent, and servers slow to answer;
+    tests of that set it.
+    """
     for module in (listening, sockets):
         monkeypatch.setattr(module, "SILENT_NS", 10**15)
+    monkeypatch.setattr(remote, "_ANSWER_NS", 600_000_000_000)
 
 
 @pytest.fixture

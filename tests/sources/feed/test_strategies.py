@@ -61,7 +61,7 @@ def ready(gpu, strategy: str, **more):
 def patient(remote: Remote, now_ns: int) -> None:
     """Ask only when what was asked last is answered, so that a busy machine skips nothing. Answers
     to what was asked before the session, while the latency was measured, are none."""
-    caller, newest, until_ns = remote._caller, max(remote._pending, default=0), time.monotonic_ns() + 60_000_000_000
+    caller, newest, until_ns = remote._caller, max(remote._pending, default=0), time.monotonic_ns() + 600_000_000_000
     while newest and newest not in {*caller._unchanged, *(each.frame.number for each in list(caller._arrived))}:
         assert time.monotonic_ns() < until_ns, "no answer"
         time.sleep(0.001)
@@ -262,7 +262,7 @@ def test_frames_that_are_of_no_use_are_told_and_what_they_brought_comes_again(gp
 ACTED = {"input": "seed:2", "start_s": 0.5}
 
 
-@pytest.mark.parametrize("name", ["imposter", "irradiance:updates=5", "points:budget=6000,room=4096,spacing=2"])
+@pytest.mark.parametrize("name", ["imposter", "points:budget=6000,room=4096,spacing=2"])
 def test_what_people_do_crosses_and_each_client_has_a_world_of_its_own(gpu, serving_of, monkeypatch, name):
     """Another client of the same server acts otherwise, in between and at the same instants."""
     address = serving_of("playroom")
