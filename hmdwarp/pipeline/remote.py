@@ -43,7 +43,7 @@ from .source import Target as Shown
 
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
 _TRIALS = 6
-_ANSWER_NS = 30_000_000_000
+_ANSWER_NS, _AGAIN_NS = 30_000_000_000, 1_000_000_000
 _TELL_NS = 1_500_000_000
 # Kinds of frames that are left out, each with a line.
 _MOST_TOLD = 20
@@ -147,7 +147,6 @@ class Remote:
         anew = anew and self._anew_number not in self._pending
         if anew:
             self._anew_number = self._number
-        wanted = feed_coding.wanted_of(rest, views, size)
         times = (self._number, 0, self.scene_ns(now_ns), self.scene_ns(head.time_ns), 0)
         session = None
         if self._takes_session:  # with the fates heard of by now
@@ -158,12 +157,12 @@ class Remote:
         if self.takes_inputs:
             until = bisect_right(self._acted, times[2], key=lambda event: event.time_ns)
             acted = min(until, known + message.MOST_INPUTS)
-        more: dict[str, Any] = {"wanted": wanted, "session": session, "fovea": fovea, "anew": anew}
         left_out = {
             kind: message.NONE for kind, name in zip(("colour", "depth"), PICTURE, strict=True) if name not in read
         }
-        wish, inputs = attrs.evolve(self.wish, **left_out), tuple(self._acted[known:acted])
-        ask = Ask(*times, grown, head.pose, wide, wish=wish, inputs=inputs, **more)
+        more: dict[str, Any] = {"wish": attrs.evolve(self.wish, **left_out), "inputs": tuple(self._acted[known:acted])}
+        more |= {"wanted": feed_coding.wanted_of(rest, views, size), "session": session, "fovea": fovea, "anew": anew}
+        ask = Ask(*times, grown, head.pose, wide, **more)
         small = grown if fovea is None else fovea.grid(wide[0], grown).small
         told = range(known, acted)
         self._pending[self._number] = Request(ask, head, now_ns, self._caller.ask(ask), small, told)
@@ -209,7 +208,28 @@ class Remote:
         Errors: InputError where the server refuses, or sends no needed layer; MachineError where
         nothing answers.
         """
-        took = [self._trial(head, views, guard, size, needs) for _ in range(_TRIALS)]
+        place, took, again_ns = f"--connect {self._caller.address}", list[int](), 0
+        until_ns = time.monotonic_ns() + _ANSWER_NS
+        while len(took) < _TRIALS:
+            if (now_ns := time.monotonic_ns()) >= until_ns:
+                remedy = "start 'hmdwarp serve' there, check the address, and read what it has printed"
+                raise MachineError(f"{place}: no frame in {_ANSWER_NS // 10**9} s: {remedy}")
+            if now_ns >= again_ns:  # also after a while: there may have been no connection
+                self.ask(head, views, guard, size, head.time_ns, needs)
+                again_ns = now_ns + _AGAIN_NS
+            self._caller.wait_until(min(again_ns, until_ns))
+            for line in self._caller.lines():
+                if "refused" in line:
+                    raise InputError(f"--connect {line}")
+                self._say(line)
+            answered = next((one for one in self._known() if self.decoded(one) is not None), None)
+            if answered is None and self._misfit:
+                raise InputError(f"{place}: {self._misfit}: use --effects none, or another warp or fill")
+            if answered is not None and feed_coding.fovea_of(needs)[0] is not None and not self._takes_fovea:
+                raise InputError(f"{place} --fovea: that server sends whole frames alone; leave it out")
+            if answered is not None:
+                took.append(answered.took_ns)
+                again_ns, until_ns = 0, time.monotonic_ns() + _ANSWER_NS
         self.forget()
         self.delays_ns.clear()
         self.unanswered = 0
@@ -222,28 +242,6 @@ class Remote:
         self._fates.clear()
         self._session += 1
         self.unchanged = self._known_inputs = 0
-
-    def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs) -> int:
-        until_ns, place = time.monotonic_ns() + _ANSWER_NS, f"--connect {self._caller.address}"
-        while (now_ns := time.monotonic_ns()) < until_ns:
-            self.ask(head, views, guard, size, head.time_ns, needs)
-            # Requested again after a while: there may have been no connection.
-            again_ns = min(until_ns, now_ns + 1_000_000_000)
-            while time.monotonic_ns() < again_ns:
-                self._caller.wait_until(again_ns)
-                for line in self._caller.lines():
-                    if "refused" in line:
-                        raise InputError(f"--connect {line}")
-                    self._say(line)
-                for request in self._known():
-                    if self.decoded(request) is not None:
-                        if feed_coding.fovea_of(needs)[0] is not None and not self._takes_fovea:
-                            raise InputError(f"{place} --fovea: that server sends whole frames alone; leave it out")
-                        return request.took_ns
-                if self._misfit:
-                    raise InputError(f"{place}: {self._misfit}: use --effects none, or another warp or fill")
-        remedy = "start 'hmdwarp serve' there, check the address, and read what it has printed"
-        raise MachineError(f"{place}: no frame in {_ANSWER_NS // 10**9} s: {remedy}")
 
     def pace(self, now_ns: int) -> None:
         """Wait so that refreshes come no faster than on the display, where the loop holds."""

@@ -23,7 +23,7 @@ from ..headsets import Headset, load_headset
 from ..link import LinkOptions
 from ..metrics import MeasuringThreads, QualityPool, worker_count
 from ..pipeline import PipelineOptions, Source, source_of
-from ..pipeline.levels import QualityLevel, Row, best_within, levels_from, read_rows
+from ..pipeline.governor import QualityLevel, Row, best_within, levels_from, read_rows
 from ..pipeline.sizes import build_plan_for, expected_age_ns, guarded_size
 from ..poses import PoseTrack, load_trace, predict
 from ..poses.quaternions import conjugate, rotate

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.base import HmdwarpError, InputError
 from hmdwarp.pipeline import QualityLevel
-from hmdwarp.pipeline.governor import BACK_OFF, PATIENCE, SETTLING, WINDOW, Governor
-from hmdwarp.pipeline.levels import best_within, levels_from
+from hmdwarp.pipeline.governor import BACK_OFF, PATIENCE, SETTLING, WINDOW, Governor, best_within, levels_from
 
 
 def row(warp: str, fill: str, total: float | None, flip: float | None, **case) -> dict:
