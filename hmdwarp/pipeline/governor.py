@@ -238,12 +238,15 @@ class Governor:
             stay.against.clear()
         else:
             stay.against.append(total_ms)
-        if stay.evidence >= ENOUGH and self._at > 0:
-            return self._down(median(stay.against))
-        return self._up(median(stay.window)) if len(stay.window) == WINDOW else None
+        is_over = stay.evidence >= ENOUGH and self._at > 0
+        if not is_over and len(stay.window) < WINDOW:
+            return None
+        time_ms = median(stay.against if is_over else stay.window)
+        # The time that each level is expected to take now.
+        expected = [time_ms * level.total_ms / self.level.total_ms for level in self.levels]
+        return self._down(time_ms, expected) if is_over else self._up(time_ms, expected)
 
-    def _down(self, time_ms: float) -> Change:
-        expected = self._expected(time_ms)
+    def _down(self, time_ms: float, expected: list[float]) -> Change:
         to = max((k for k in range(self._at) if expected[k] <= self.budget_ms), default=0)
         if self._stay.climbed:
             # A move up that soon led down has failed, of dearer levels too; one that lasted
@@ -257,8 +260,8 @@ class Governor:
         over = f"{self.level} takes {time_ms:.2f} ms, over the budget of {self.budget_ms:g} ms"
         return self._change(to, f"{over}; {self.levels[to]} is expected to take {expected[to]:.2f} ms{least}")
 
-    def _up(self, time_ms: float) -> Change | None:
-        room, expected, ready = self._stay.room, self._expected(time_ms), []
+    def _up(self, time_ms: float, expected: list[float]) -> Change | None:
+        room, ready = self._stay.room, []
         for k in range(self._at + 1, len(self.levels)):
             room[k] = room[k] + 1 if expected[k] <= MARGIN * self.budget_ms else 0
             if room[k] >= PATIENCE * BACK_OFF ** self._failures[k]:
@@ -271,10 +274,6 @@ class Governor:
             f"within {MARGIN:.0%} of the budget of {self.budget_ms:g} ms, now to take {expected[to]:.2f} ms"
         )
         return self._change(to, reason)
-
-    def _expected(self, time_ms: float) -> list[float]:
-        """Return the time that each level is expected to take now."""
-        return [time_ms * level.total_ms / self.level.total_ms for level in self.levels]
 
     def _change(self, to: int, reason: str) -> Change:
         change = Change(self._refresh, self.level, self.levels[to], reason)

@@ -35,6 +35,7 @@ from ..link import CHANGES, SUM, Bandwidth, LinkOptions
 from ..link.codec import Coding
 from ..poses.options import DEFAULT_PREDICTOR, PREDICTORS
 from ..scenes.options import EXTRAPOLATED, FORESEEN, HELD, SceneOptions
+from ..sources.feed.options import FeedOptions
 from ..sources.sequences.options import SequenceOptions, repair_field
 from .governor import QualityLevel
 
@@ -78,8 +79,11 @@ RECORDING = SourceKind(
 )
 # The scene's name where a server elsewhere shows its own, whatever it is.
 SERVER_SCENE = "server"
-# A server elsewhere.
+# A server elsewhere: with a scene that the options name, and with one that it has alone.
 REMOTE = SourceKind(is_timed=True)
+SERVED = SourceKind(
+    has_geometry=False, is_timed=True, limits="; the scene is at the server: use another, or name it by --scene, too"
+)
 # A machine near the client that warps for it, and sends the finished picture.
 PROXY = SourceKind(_PICTURE[:1])
 
@@ -197,6 +201,7 @@ _RENDERING, DISPLAYED = "Rendering", "Display"
 RECORDED = SequenceOptions.heading
 _choosing = partial(option, heading="Choosing warp and fill")
 _rendering, _displayed = partial(option, heading=_RENDERING), partial(option, heading=DISPLAYED)
+_NO_FEED = FeedOptions()  # of options without
 # Depth of a pixel of several samples.
 MOST_SAMPLES = 16
 
@@ -375,7 +380,7 @@ class PipelineOptions(Declared):
         """Yield each thing that cannot be: whether it is so, and the message."""
         is_auto, is_foveated = self.warp == AUTO, self.fovea_deg is not None
         changes = self.network.send == CHANGES
-        if self.source_kind is REMOTE:
+        if self.source_kind.is_timed:
             yield self.frames is not None, "--connect with --frames: frames come from one of them; leave the other out"
             yield self.network.response == SUM, "--connect with --response: the server's times are real; leave it out"
             yield self.proxy.on or is_auto, "--connect with --proxy or --warp auto: not supported, leave them out"
@@ -437,6 +442,8 @@ class PipelineOptions(Declared):
     @property
     def source_kind(self) -> SourceKind:
         """What gives the frames, as far as it is known before it is opened."""
+        if address := getattr(self, "feed", _NO_FEED).connect:
+            return SERVED if self.scene in (SERVER_SCENE, address) else REMOTE
         return RECORDING if self.frames is not None else PROXY if self.proxy.on else SCENE
 
     @property

@@ -22,13 +22,12 @@ from ..gpu.timers import Laps
 from ..link.codec import codecs
 from ..metrics import middle_and_tail
 from ..poses import PoseSample
-from ..sources.feed.options import FeedOptions
 from ..sources.server import Renderer
 from ..sources.server.draw import MIRRORS
 from . import sizes
 from .channel import Channel, Coder, Way
 from .loop import Loop, Refresh
-from .options import PROXY, RECORDING, REMOTE, PipelineOptions
+from .options import PROXY, RECORDING, PipelineOptions
 from .recorded_source import RecordingSource
 from .remote import RemoteSource
 from .source import FrameSource, PoseRequest, ServerFrames, Source, Target, client_scene, joined
@@ -44,15 +43,14 @@ class KnownHead:
     head: PoseSample | None = None
 
     def start(self) -> None:
-        """Do nothing."""
+        """Do nothing, as closing does."""
+
+    close = start
 
     def head_at(self, time_ns: int) -> PoseSample:
         """Return that head."""
         assert self.head is not None, "a proxy is asked for a head before it shows one"
         return self.head
-
-    def close(self) -> None:
-        """Do nothing."""
 
 
 @attrs.frozen(eq=False)
@@ -224,9 +222,8 @@ def source_of(options: PipelineOptions) -> Source:
     check_names(options)
     if options.source_kind is RECORDING:
         return RecordingSource.opened(options)
-    if options.source_kind is REMOTE:
-        feed = getattr(options, "feed", FeedOptions())
-        return RemoteSource(options, feed, draws_truth=options.draws_truth)
+    if options.source_kind.is_timed:
+        return RemoteSource(options)
     return _ProxySource(options) if options.source_kind is PROXY else Source(options)
 
 

@@ -18,7 +18,6 @@ import attrs
 import numpy as np
 
 from ..base import HmdwarpError, InputError, MachineError, counted
-from ..client import Plan
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import PICTURE, layers
 from ..frames.layers.pictures import FoveatedPicture
@@ -401,12 +400,13 @@ class RemoteSource(Source):
     """Frames that a server elsewhere draws.
 
     The scene is here as well if the options name it, for passes and for the truth, which the server
-    draws otherwise. draws_truth: False for a run that has none.
+    draws otherwise.
     """
 
     kind = REMOTE
 
-    def __init__(self, options: PipelineOptions, feed: FeedOptions, *, draws_truth: bool) -> None:
+    def __init__(self, options: Any) -> None:
+        feed: FeedOptions = options.feed
         self._is_here = options.scene != SERVER_SCENE
         elsewhere = nothing(SERVER_SCENE, f"drawn by {feed.connect}")
         super().__init__(options, None if self._is_here else elsewhere)
@@ -414,7 +414,7 @@ class RemoteSource(Source):
             raise InputError(
                 f"--raw {feed.raw} beside --codec {options.coding.codec}: coded frames are not raw; leave one out"
             )
-        self.feed, self._draws_truth = feed, draws_truth
+        self.feed, self._draws_truth = feed, options.draws_truth
         self._added_ns = round(feed.added_latency_ms * 1e6)
         try:
             options.network.delay.check(self._added_ns)
@@ -424,18 +424,6 @@ class RemoteSource(Source):
     def fitted(self, options: Options) -> Options:
         """Return the options with the server in place of a scene, where there is none here."""
         return options if self._draws_truth or self._is_here else attrs.evolve(options, scene=self.feed.connect)
-
-    def check(self, plans: Sequence[Plan], needs: Needs, eyes: int = 2) -> None:
-        """Check that plans get by with what frames of another process have. Errors: InputError."""
-        super().check(plans, needs, eyes)
-        steps = [step for plan in plans for step in plan.steps]
-        if not self._is_here and any(
-            name.startswith("client.") for step in steps for name in (*step.reads, *step.writes)
-        ):
-            raise InputError(
-                "--connect: the client draws some of the scene for this warp or fill, and the scene is at the server: "
-                "use another one, or name that scene by --scene, too"
-            )
 
     def measured(self, options: Options, **first: Any) -> Options:
         """Connect, send what people do, and return the options with the measured latency.
@@ -588,12 +576,7 @@ class RemoteFrames(FrameSource):
 
 
 class _RemoteChannel(Channel):
-    """The channel of frames that arrive by the feed: what was measured of it, then the link.
-
-    The link emulates what its options say, behind the real network: frames are decoded as they
-    arrive over both, and those that it loses never are. The server hears of a frame's fate with the
-    next request.
-    """
+    """What was measured of the feed, then the emulated link: what that loses is never decoded."""
 
     def __init__(self, frames: RemoteFrames, way: Way, reads: Reads, offer: Any, tell: Any) -> None:
         self._remote, self._frames_of, self._tell = frames.remote, frames, tell
