@@ -27,6 +27,7 @@ from ..sources.server import Renderer
 from .channel import depth_step
 
 Array = NDArray[np.float64]
+Size = tuple[int, int]
 # Scale and offset of the vectors' x, y, z; metres at z = 0 and at z = 1; seconds since the frame
 # before; that frame's eye: pose, head_from_eye, angles.
 NUMBERS = 3 + 3 + 2 + 1 + 18
@@ -128,7 +129,7 @@ _LARGEST = 1e6
 _MOST_TABLE = 1 << 20  # bytes of a layer besides its pictures
 
 
-def wanted_of(needs: Needs, views: Sequence[View], shown_size: tuple[int, int]) -> Wanted | None:
+def wanted_of(needs: Needs, views: Sequence[View], shown_size: Size) -> Wanted | None:
     """Return what to ask a server for; other layers are the client's. views: as shown."""
     of_server = [layer for layer in map(layers.get, needs) if not layer.of_client]
     amounts = tuple((layer.name, layer.stated(needs[layer.name])) for layer in of_server)
@@ -143,7 +144,7 @@ def fovea_of(needs: Needs) -> tuple[Fovea | None, frozenset[str], Needs]:
     return needs[found[0]] if found else None, stand_for, rest
 
 
-def grids_of(frame: FrameMessage, size: tuple[int, int]) -> tuple[FoveaGrid, ...]:
+def grids_of(frame: FrameMessage, size: Size) -> tuple[FoveaGrid, ...]:
     """Return the grid of each eye's foveated pictures.
 
     size: of the whole ones. Errors: Undecodable.
@@ -173,13 +174,11 @@ def needs_of_client(wanted: Wanted | None) -> Needs:
             found[name] = layers.get(name).amount_of(stated)
         except (TypeError, ValueError, OverflowError) as error:
             why = str(error).partition("\n")[0]
-            raise InputError(
-                f"there is no {stated} of layer '{name}' ({why}): docs/feed.md says how much there is"
-            ) from error
+            raise InputError(f"there is no {stated} of layer '{name}' ({why}): see docs/feed.md") from error
     return Needs(**found)
 
 
-def sizes_of(wanted: Wanted, size: tuple[int, int]) -> EyeSizes:
+def sizes_of(wanted: Wanted, size: Size) -> EyeSizes:
     """Return what the sizes of layers follow from. size: of the rendered picture."""
     return EyeSizes(size, wanted.size, wanted.fovs)
 
@@ -193,10 +192,8 @@ def parts_of(frame: Frame, needs: Needs, *, packs: bool) -> tuple[Layers, ...]:
     for (number, eye), name in itertools.product(enumerate(frame.eyes), needs):
         layer = layers.get(name)
         if not (number and layer.per_frame):
-            drawn = [
-                one.reshape(1, -1) if isinstance(one, np.ndarray) else download(one) for one in layer.sent(eye[name])
-            ]
-            numbers = layer.numbers(eye[name])
+            sent, numbers = layer.sent(eye[name]), layer.numbers(eye[name])
+            drawn = [one.reshape(1, -1) if isinstance(one, np.ndarray) else download(one) for one in sent]
             rest = [numbers] if numbers is not None else [] if drawn else [_NOTHING]
             found[number][name] = [*(packed(picture) if packs else picture for picture in drawn), *rest]
     return found
@@ -209,25 +206,23 @@ def unpacked(frame: FrameMessage) -> FrameMessage:
     """
     if not frame.layers:
         return frame
+    found = []
     try:
-        found = tuple(
-            {
-                name: [part.numbers() if isinstance(part, Packed) else part for part in parts]
-                for name, parts in of_eye.items()
-            }
-            for of_eye in frame.layers
-        )
-        for eye, (of_eye, view) in enumerate(zip(found, frame.views, strict=True)):
-            if len(of_eye.get(VELOCITY, ())) > 1:
+        for eye, (of_eye, view) in enumerate(zip(frame.layers, frame.views, strict=True)):
+            own = {}
+            for name, parts in of_eye.items():
+                own[name] = [part.numbers() if isinstance(part, Packed) else part for part in parts]
+            if len(own.get(VELOCITY, ())) > 1:
                 if isinstance(frame.inverse_depths[eye], bytes):
                     raise InputError("motion vectors without depth")
-                of_eye[VELOCITY] = [velocity_of(of_eye[VELOCITY], view, frame.inverse_depth(eye))]
+                own[VELOCITY] = [velocity_of(own[VELOCITY], view, frame.inverse_depth(eye))]
+            found.append(own)
     except (BadPart, InputError) as error:
         raise Undecodable(str(error)) from error
-    return attrs.evolve(frame, layers=found)
+    return attrs.evolve(frame, layers=tuple(found))
 
 
-def wanted_alone(frame: FrameMessage, wanted: Wanted | None, drawn: tuple[int, int]) -> FrameMessage:
+def wanted_alone(frame: FrameMessage, wanted: Wanted | None, drawn: Size) -> FrameMessage:
     """Return the frame with the requested layers alone: others are never unpacked.
 
     drawn: (w, h) of the whole picture.
@@ -245,7 +240,7 @@ def wanted_alone(frame: FrameMessage, wanted: Wanted | None, drawn: tuple[int, i
     return attrs.evolve(frame, layers=found)
 
 
-def misfit(frame: FrameMessage, wanted: Wanted | None, drawn: tuple[int, int] | None = None) -> str:
+def misfit(frame: FrameMessage, wanted: Wanted | None, drawn: Size | None = None) -> str:
     """Return why a frame's layers are not the requested ones, "" if they are.
 
     drawn: (w, h) of the whole picture where that is foveated.
@@ -325,9 +320,7 @@ _DEPTHS = {codec.AS_VIDEO: message.DEPTH_VIDEO, codec.AS_VIDEO8: message.DEPTH_V
 _VIDEOS = {number: codec.DEPTH_VIDEOS[name] for name, number in _DEPTHS.items()}
 
 
-def wish_of(
-    raw: Wish, coding: Coding, rate_hz: float, views: Sequence[View], size: tuple[int, int], age_s: float
-) -> Wish:
+def wish_of(raw: Wish, coding: Coding, rate_hz: float, views: Sequence[View], size: Size, age_s: float) -> Wish:
     """Return what to ask the server for, so that frames are coded as a run here would.
 
     raw: how they come without a codec. views, size: of the display; a guard band leaves the pixels
@@ -346,7 +339,7 @@ def left_out(frame: FrameMessage, eye: int) -> frozenset[str]:
     return frozenset(name for name, picture in both if isinstance(picture, bytes))
 
 
-def arrays_of(frame: FrameMessage, eye: int, size: tuple[int, int], missing: Collection[str] = ()) -> Arrays:
+def arrays_of(frame: FrameMessage, eye: int, size: Size, missing: Collection[str] = ()) -> Arrays:
     """Return what a decoded frame has of one eye, in (w, h) pixels; nothing where it is missing."""
     of_colour, of_depth = PICTURE
     # Where nothing was drawn: one number each, at every pixel.
@@ -426,20 +419,12 @@ class FeedEncoder:
             depths.append(of_depth(frame.inverse_depths[eye]))
             if self._stops[eye] and eye < len(layers) and LIGHT in layers[eye]:
                 layers[eye][LIGHT] = [np.array([[self._stops[eye]]], np.float64)]
-        return attrs.evolve(
-            frame,
-            layers=tuple(layers),
-            colours=tuple(colours),
-            inverse_depths=tuple(depths),
-            colour=self.wish.colour or message.RGBA16F,
-            depth=self.wish.depth or message.INVERSE_DEPTH,
-            coded_size=self.size,
-            begins=place == 0,
-            place=place,
-        )
+        coded: dict[str, Any] = {"colours": tuple(colours), "inverse_depths": tuple(depths), "layers": tuple(layers)}
+        coded |= {"colour": self.wish.colour or message.RGBA16F, "depth": self.wish.depth or message.INVERSE_DEPTH}
+        return attrs.evolve(frame, **coded, coded_size=self.size, begins=place == 0, place=place)
 
 
-def _encoders(wish: Wish, size: tuple[int, int]) -> tuple[codec.ColourEncoder | None, Callable[[Any], Any]]:
+def _encoders(wish: Wish, size: Size) -> tuple[codec.ColourEncoder | None, Callable[[Any], Any]]:
     """Return what codes an eye's colour, None where it goes as it is, and its depth."""
     colour, step = None, wish.depth_step or codec.STEP
     if wish.colour in CODECS:

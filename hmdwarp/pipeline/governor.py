@@ -66,9 +66,7 @@ def levels_from(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
     timed = [row for row in rows if (row["time_ms"]["total"]["median"] or 0) > 0]
     timed = [row for row in timed if row["quality"]["flip"]["mean"] is not None]
     if not timed:
-        raise InputError(
-            "no combination of warp and fill was measured with a time and a FLIP: run the benchmark with both"
-        )
+        raise InputError("no combination was measured with a time and a FLIP: run the benchmark with both")
     most = max(math.prod(row["size"]) for row in timed)
     # Times of two machines are not comparable.
     places = [(math.prod(row["size"]), (row.get("machine") or {}).get("host")) for row in timed]
@@ -82,10 +80,8 @@ def levels_from(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
             combined[row["warp"], row["fill"]][case].append(figures)
     shared = set.intersection(*(set(cases) for cases in combined.values()))
     if not shared:
-        raise InputError(
-            f"the {len(combined)} combinations of warp and fill were measured in no common case, so they cannot be "
-            "compared: measure all of them with the same traces, scenes and latencies"
-        )
+        how = "measure all of them with the same traces, scenes and latencies"
+        raise InputError(f"{len(combined)} combinations of warp and fill were measured in no common case: {how}")
     levels = []  # fmean: no mean depends on the order of the rows
     for (warp, fill), cases in combined.items():
         times, errors, psnr = zip(*(figures for case in shared for figures in cases[case]), strict=True)

@@ -100,10 +100,8 @@ def with_frames(said: Mapping[str, Any], usual: Mapping[str, Any]) -> Mapping[st
     usual: the default of each option. Errors: InputError for what frames leave no choice in.
     """
     if said.get("frames") is None:
-        if said.get("eye_distance") is not None:
-            raise InputError(
-                f"--eye-distance {said['eye_distance']:g} without --frames: a headset has both; leave it out"
-            )
+        if (apart_mm := said.get("eye_distance")) is not None:
+            raise InputError(f"--eye-distance {apart_mm:g} without --frames: a headset has both; leave it out")
         return said
     for name in _ONLY_SAID:
         if said.get(name) not in (None, usual.get(name)):
@@ -198,7 +196,6 @@ SceneKey = tuple[Hashable, ...]
 
 # Headings of options in help.
 _RENDERING, DISPLAYED = "Rendering", "Display"
-RECORDED = SequenceOptions.heading
 _choosing = partial(option, heading="Choosing warp and fill")
 _rendering, _displayed = partial(option, heading=_RENDERING), partial(option, heading=DISPLAYED)
 _NO_FEED = FeedOptions()  # of options without
@@ -241,7 +238,7 @@ class PipelineOptions(Declared):
         kind=float,
         valid=Number(most=500.0),
         study=DISPLAY,
-        heading=RECORDED,
+        heading=SequenceOptions.heading,
     )
     latency_ms: float = option(
         200.0,

@@ -144,12 +144,8 @@ class Proxy(FrameSource):
             return
         self._age_ms.append(last.age_ns * 1e-6)
         for stages in last.stage_ms:
-            took: defaultdict[str, float] = defaultdict(float)
-            for name, milliseconds in stages:
-                took[name] += milliseconds
-            took["total"] = sum(took.values())
-            for name, milliseconds in took.items():
-                self._stage_ms[name].append(milliseconds)
+            for name in (*dict(stages), "total"):
+                self._stage_ms[name].append(sum(took_ms for stage, took_ms in stages if name in (stage, "total")))
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
         """Return the `proxy` of the link in summary.json: the first link, and the work for one eye.

@@ -36,6 +36,7 @@ from ..sources.feed.parts import length_of as part_bytes
 from ..sources.server import Renderer, Target
 from . import feed_coding
 from .channel import Channel, Reads, Way
+from .feed_coding import depth_error
 from .options import REMOTE, SERVER_SCENE, PipelineOptions
 from .source import FrameSource, MomentOf, Options, PoseRequest, Source, nothing
 from .source import Target as Shown
@@ -48,6 +49,7 @@ _TELL_NS = 1_500_000_000
 _MOST_TOLD = 20
 # Requests that may be without an answer; what is older is never answered.
 _MOST_PENDING = 4096
+Size = tuple[int, int]
 _NO_PICTURE = (1, 1)  # asked for where nothing reads the eyes' pictures: a frame always has some
 
 
@@ -60,7 +62,7 @@ class Request:
     drawn_ns: int  # on the loop's clock
     sent_ns: int  # on this machine's
     # (w, h) of one eye's picture as it comes: smaller than asked for where it is foveated.
-    size: tuple[int, int]
+    size: Size
     acted: range  # which inputs it told the server
     # As it came, how long after the request the loop had it, and what was made of it.
     message: FrameMessage | None = None
@@ -124,13 +126,7 @@ class Remote:
         self.needs_key: Callable[[int], bool] = lambda now_ns: False
 
     def ask(
-        self,
-        head: PoseSample,
-        views: Sequence[View],
-        guard: Guard,
-        size: tuple[int, int],
-        now_ns: int,
-        needs: Needs | None = None,
+        self, head: PoseSample, views: Sequence[View], guard: Guard, size: Size, now_ns: int, needs: Needs | None = None
     ) -> None:
         """Ask for a frame of these eyes at that instant of the loop's clock, with needed layers."""
         fovs, grown = guarded_eyes(views, guard, size)
@@ -142,8 +138,7 @@ class Remote:
             wide = tuple(attrs.evolve(view, hidden=None) for view in wide)
         self._number += 1
         # Requested once, and again only if that request will have no answer.
-        anew = self._decoder.wants_anew or self.needs_key(now_ns)
-        anew = anew and self._anew_number not in self._pending
+        anew = (self._decoder.wants_anew or self.needs_key(now_ns)) and self._anew_number not in self._pending
         if anew:
             self._anew_number = self._number
         times = (self._number, 0, self.scene_ns(now_ns), self.scene_ns(head.time_ns), 0)
@@ -156,9 +151,8 @@ class Remote:
         if self.takes_inputs:
             until = bisect_right(self._acted, times[2], key=lambda event: event.time_ns)
             acted = min(until, known + message.MOST_INPUTS)
-        left_out = {
-            kind: message.NONE for kind, name in zip(("colour", "depth"), PICTURE, strict=True) if name not in read
-        }
+        kinds = zip(("colour", "depth"), PICTURE, strict=True)
+        left_out = {kind: message.NONE for kind, name in kinds if name not in read}
         more: dict[str, Any] = {"wish": attrs.evolve(self.wish, **left_out), "inputs": tuple(self._acted[known:acted])}
         more |= {"wanted": feed_coding.wanted_of(rest, views, size), "session": session, "fovea": fovea, "anew": anew}
         ask = Ask(*times, grown, head.pose, wide, **more)
@@ -199,9 +193,7 @@ class Remote:
             self._known_inputs = max(self._known_inputs, request.acted.stop)
         return request
 
-    def measure(
-        self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs
-    ) -> int:
+    def measure(self, head: PoseSample, views: Sequence[View], guard: Guard, size: Size, needs: Needs) -> int:
         """Return the longest time in ns from a request to its frame, of a few.
 
         Errors: InputError where the server refuses, or sends no needed layer; MachineError where
@@ -384,12 +376,9 @@ def is_another_view(asked: View, drawn: View) -> bool:
     """Return whether a view was drawn from elsewhere, or lacks some of the requested one."""
     left, right, down, up = (asked.fov.tangents - drawn.fov.tangents) * (-1, 1, -1, 1)
     across, high = np.diff(asked.fov.tangents)[[0, 2]]
-    return bool(
-        math.degrees(drawn.pose.angle_to(asked.pose)) > _SAME_DEG
-        or np.abs(drawn.pose.position_m - asked.pose.position_m).max() > _SAME_M
-        or max(left, right) > _SAME_SHARE * across
-        or max(down, up) > _SAME_SHARE * high
-    )
+    lacks = max(left, right) > _SAME_SHARE * across or max(down, up) > _SAME_SHARE * high
+    is_elsewhere = np.abs(drawn.pose.position_m - asked.pose.position_m).max() > _SAME_M
+    return bool(lacks or is_elsewhere or math.degrees(drawn.pose.angle_to(asked.pose)) > _SAME_DEG)
 
 
 class NoTruth(HmdwarpError):
@@ -411,9 +400,7 @@ class RemoteSource(Source):
         elsewhere = nothing(SERVER_SCENE, f"drawn by {feed.connect}")
         super().__init__(options, None if self._is_here else elsewhere)
         if feed.raw != FULL and options.coding.codec != "none":
-            raise InputError(
-                f"--raw {feed.raw} beside --codec {options.coding.codec}: coded frames are not raw; leave one out"
-            )
+            raise InputError(f"--raw {feed.raw} beside --codec {options.coding.codec}: leave one of them out")
         self.feed, self._draws_truth = feed, options.draws_truth
         self._added_ns = round(feed.added_latency_ms * 1e6)
         try:
@@ -487,7 +474,7 @@ class RemoteRenderer(Renderer):
         self._viewer = Viewer(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
         self._draws_others = False
 
-    def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
+    def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
         """Return what the server draws for the view. Errors: NoTruth where it draws nothing."""
         found = self._viewer.fetch(view, size, time_ns)
         if found is None:
@@ -545,14 +532,8 @@ class RemoteFrames(FrameSource):
             whole = frozenset(PICTURE) if ask.fovea else missing
             server.take_in(feed_coding.arrays_of(found, eye, target.size, whole), target)
             hidden = wanted.hidden if view.fov == wanted.fov else view.hidden
-            image = EyeImage(
-                attrs.evolve(view, hidden=hidden, gaze=wanted.gaze),
-                target.colour,
-                target.inverse_depth,
-                drawn_ns=request.drawn_ns,
-                depth_error=feed_coding.depth_error(found, self.remote.wish),
-                left_out=missing,
-            )
+            shown, error = attrs.evolve(view, hidden=hidden, gaze=wanted.gaze), depth_error(found, self.remote.wish)
+            image = EyeImage(shown, target.colour, target.inverse_depth, {}, request.drawn_ns, error, missing)
             if ask.fovea:  # foveated pictures came in place of whole ones
                 colour, depth = (server.acquire(found.size, kind, depth=False).colour for kind in (COLOUR, SCALAR))
                 server.take_in(feed_coding.arrays_of(found, eye, found.size, sent), Target(colour, depth))
@@ -580,17 +561,9 @@ class _RemoteChannel(Channel):
 
     def __init__(self, frames: RemoteFrames, way: Way, reads: Reads, offer: Any, tell: Any) -> None:
         self._remote, self._frames_of, self._tell = frames.remote, frames, tell
-        super().__init__(
-            frames.recycle,
-            (*way[:3], None),  # the server codes them
-            reads,
-            offer,
-            tell,
-            receive=self._receive,
-            decoding=lambda request: 0,
-            settled=self._settled,
-            in_order=feed_coding.codes_video(frames.remote.wish.colour),
-        )
+        how: dict[str, Any] = {"receive": self._receive, "decoding": lambda request: 0, "settled": self._settled}
+        how["in_order"] = feed_coding.codes_video(frames.remote.wish.colour)
+        super().__init__(frames.recycle, (*way[:3], None), reads, offer, tell, **how)  # the server codes them
         self._shown: Request | None = None
         self._sent_ns = self._measured_ns = 0
         self._unanswered = self._remote.unanswered

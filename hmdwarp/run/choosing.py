@@ -261,7 +261,7 @@ def candidates(options: PipelineOptions, source: Source) -> list[Combination]:
     for warp, fill in product(every_warp(), FILLS):
         try:
             pair = options.with_pair(warp, fill)
-            found.append(Combination(warp, fill, build_plan_for(pair, headset, scene, shares_frames=True)))
+            found.append(Combination(warp, fill, build_plan_for(pair, headset, scene, in_turns=True)))
         except PlanError:
             continue
     return found
