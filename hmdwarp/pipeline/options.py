@@ -82,7 +82,7 @@ SERVER_SCENE = "server"
 # A server elsewhere: with a scene that the options name, and with one that it has alone.
 REMOTE = SourceKind(is_timed=True)
 SERVED = SourceKind(
-    has_geometry=False, is_timed=True, limits="; the scene is at the server: use another, or name it by --scene, too"
+    has_geometry=False, is_timed=True, limits="; the scene is at the server: use another warp, or name it by --scene"
 )
 # A machine near the client that warps for it, and sends the finished picture.
 PROXY = SourceKind(_PICTURE[:1])
