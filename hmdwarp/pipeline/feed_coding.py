@@ -360,9 +360,9 @@ def depth_error(frame: FrameMessage, wish: Wish) -> float:
     return steps * wish.depth_step
 
 
-def codes_video(form: int, *, of_depth: bool = False) -> bool:
-    """Return whether pictures of a format need those before them."""
-    return form in (_VIDEOS if of_depth else CODECS)
+def stands_alone(frame: FrameMessage) -> bool:
+    """Return whether a frame can be decoded without those before it."""
+    return frame.begins or not (frame.colour in CODECS or frame.depth in _VIDEOS)
 
 
 def check_work(ask: Ask) -> None:

@@ -129,10 +129,6 @@ def _default_fill(warp: str) -> str:
     return DEFAULT_FILL if _PICTURE[1] in chosen.entry.reads_for(chosen.settings) else "none"
 
 
-# Of the whole way, the part before the proxy, where only the whole is given.
-_BEFORE = 0.75
-
-
 @attrs.frozen
 class ProxyOptions(Declared):
     """A proxy between server and client. Options that are not named here are the client's.
@@ -512,7 +508,7 @@ class PipelineOptions(Declared):
 
         latency_ms: of the whole way, on which a proxy stands where there is one.
         """
-        before_ms = _BEFORE * latency_ms if self.proxy.on else 0.0  # which divides the way as by default
+        before_ms = 0.75 * latency_ms if self.proxy.on else 0.0  # the proxy's part, as by default
         return attrs.evolve(
             self,
             latency_ms=latency_ms - before_ms,

@@ -22,12 +22,14 @@ from ..gpu.timers import Laps
 from ..link.codec import codecs
 from ..metrics import middle_and_tail
 from ..poses import PoseSample
+from ..sources import sequences
+from ..sources.repairs import parse_repairs
 from ..sources.server import Renderer
 from ..sources.server.draw import MIRRORS
 from . import sizes
 from .channel import Channel, Coder, Way
 from .loop import Loop, Refresh
-from .options import PROXY, RECORDING, PipelineOptions
+from .options import PROXY, PipelineOptions
 from .recorded_source import RecordingSource
 from .remote import RemoteSource
 from .source import FrameSource, PoseRequest, ServerFrames, Source, Target, client_scene, joined
@@ -216,8 +218,9 @@ def source_of(options: PipelineOptions) -> Source:
     Errors: as check_names; as sequences.open, for recorded frames.
     """
     check_names(options)
-    if options.source_kind is RECORDING:
-        return RecordingSource.opened(options)
+    if options.frames is not None:
+        sequence = sequences.open(options.frames, options.sequence_options).repaired(parse_repairs(options.repair))
+        return RecordingSource(sequence, options.guard_factors, options.eye_distance_mm)
     if options.source_kind.is_timed:
         return RemoteSource(options)
     return _ProxySource(options) if options.source_kind is PROXY else Source(options)

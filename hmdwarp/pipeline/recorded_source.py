@@ -6,7 +6,7 @@ import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence as Several
 from functools import cached_property, lru_cache
-from typing import Any, Self
+from typing import Any
 
 import attrs
 import numpy as np
@@ -23,7 +23,7 @@ from ..poses.track import Moment
 from ..scenes import Scene
 from ..sources import sequences
 from ..sources.array_passes import SRGB8, Arrays, Scaling
-from ..sources.repairs import RepairChain, parse_repairs
+from ..sources.repairs import RepairChain
 from ..sources.sequences import RecordedFrame, Sequence
 from ..sources.server import Renderer, Target
 from .options import RECORDING, PipelineOptions
@@ -176,13 +176,6 @@ class RecordingSource(Source):
             "eye_distance_mm": eye_distance_mm,
             "noise_floor_db": sequence.noise_floor_db,
         }
-
-    @classmethod
-    def opened(cls, options: PipelineOptions) -> Self:
-        """Return the recorded frames that the options name. Errors: as sequences.open."""
-        assert options.frames is not None
-        sequence = sequences.open(options.frames, options.sequence_options).repaired(parse_repairs(options.repair))
-        return cls(sequence, options.guard_factors, options.eye_distance_mm)
 
     @cached_property
     def headset(self) -> Headset:

@@ -69,14 +69,6 @@ class Request:
     took_ns: int = 0
     frame: Frame | None = None
 
-    @property
-    def is_key(self) -> bool:
-        """Whether its frame can be decoded without those before it."""
-        came = self.message
-        assert came is not None
-        codes_video = feed_coding.codes_video
-        return came.begins or not (codes_video(came.colour) or codes_video(came.depth, of_depth=True))
-
 
 class Remote:
     """The session with a server elsewhere.
@@ -92,6 +84,7 @@ class Remote:
     ) -> None:
         self._caller = Caller(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
         self.keeps, self._holds, self._say = keeps, holds, say
+        self.added_ns = round(feed.added_latency_ms * 1e6)  # emulated latency behind the real network's
         self._number = 0
         self._pending: dict[int, Request] = {}
         self._heard_ns = time.monotonic_ns()
@@ -309,7 +302,7 @@ class Remote:
                 # It came in just before a refresh that was shown without it: handed over after.
                 request.took_ns = max(request.took_ns, self._told_ns + 1 - request.drawn_ns)
             found.append(request)
-            if request.is_key:  # until it turns out that it is damaged
+            if feed_coding.stands_alone(frame):  # until it turns out that it is damaged
                 self._decoder.wants_anew = False
         return found
 
@@ -396,15 +389,13 @@ class RemoteSource(Source):
 
     def __init__(self, options: Any) -> None:
         feed: FeedOptions = options.feed
+        self.feed, self._draws_truth = feed, options.draws_truth
         self._is_here = options.scene != SERVER_SCENE
-        elsewhere = nothing(SERVER_SCENE, f"drawn by {feed.connect}")
-        super().__init__(options, None if self._is_here else elsewhere)
+        super().__init__(options, None if self._is_here else nothing(SERVER_SCENE, f"drawn by {feed.connect}"))
         if feed.raw != FULL and options.coding.codec != "none":
             raise InputError(f"--raw {feed.raw} beside --codec {options.coding.codec}: leave one of them out")
-        self.feed, self._draws_truth = feed, options.draws_truth
-        self._added_ns = round(feed.added_latency_ms * 1e6)
         try:
-            options.network.delay.check(self._added_ns)
+            options.network.delay.check(round(feed.added_latency_ms * 1e6))
         except InputError as error:
             raise InputError(f"--added-latency {feed.added_latency_ms:g} ms: {error}") from error
 
@@ -423,7 +414,7 @@ class RemoteSource(Source):
         remote.pictures, head, views, rate_hz = first["pictures"], first["head"], first["views"], first["rate_hz"]
         wanted = (message.RAW[self.feed.raw], options.coding, rate_hz, views, options.size)
         remote.wish = feed_coding.wish_of(*wanted, options.latency_ms * 1e-3)
-        longest_ns = remote.measure(head, views, options.guard_band, options.size, first["needs"]) + self._added_ns
+        longest_ns = remote.measure(head, views, options.guard_band, options.size, first["needs"]) + remote.added_ns
         remote.wish = feed_coding.wish_of(*wanted, longest_ns * 1e-9 + 1 / rate_hz)
         if self.scene.inputs is not None:
             remote.act(self.scene.inputs)
@@ -447,7 +438,7 @@ class RemoteSource(Source):
         assert remote is not None, "measured() connects"
         remote.pictures = requested.pictures
         remote.only_changes = options.network.send == CHANGES
-        return RemoteFrames(remote, server, requested, target.eyes, self._added_ns)
+        return RemoteFrames(remote, server, requested, target.eyes)
 
     def renderer(self, gpu: Gpu, options: PipelineOptions, moment_of: MomentOf = Moment) -> Renderer:
         """Return what draws the truth, and has textures for the frames."""
@@ -512,7 +503,6 @@ class RemoteFrames(FrameSource):
     server: Renderer
     requested: PoseRequest
     eyes: Eyes
-    added_ns: int = 0  # emulated latency behind the real network's
 
     def draw(self, head: PoseSample, now_ns: int) -> None:
         """Ask for a frame for that head."""
@@ -562,14 +552,14 @@ class _RemoteChannel(Channel):
     def __init__(self, frames: RemoteFrames, way: Way, reads: Reads, offer: Any, tell: Any) -> None:
         self._remote, self._frames_of, self._tell = frames.remote, frames, tell
         how: dict[str, Any] = {"receive": self._receive, "decoding": lambda request: 0, "settled": self._settled}
-        how["in_order"] = feed_coding.codes_video(frames.remote.wish.colour)
+        how["in_order"] = frames.remote.wish.colour in feed_coding.CODECS
         super().__init__(frames.recycle, (*way[:3], None), reads, offer, tell, **how)  # the server codes them
         self._shown: Request | None = None
         self._sent_ns = self._measured_ns = 0
         self._unanswered = self._remote.unanswered
         self._remote.forget()
         self._remote.needs_key = self.link.needs_key
-        self.link.delay_by(self._delays(way[0].delays(frames.added_ns)))
+        self.link.delay_by(self._delays(way[0].delays(frames.remote.added_ns)))
 
     def _delays(self, added: Iterator[int]) -> Iterator[int]:
         for added_ns in added:
@@ -606,7 +596,7 @@ class _RemoteChannel(Channel):
             self._frames, self._eyes = self._frames + 1, len(request.ask.views)
             self._bytes.update(+sizes)
             self._measured_ns, self._sent_ns = request.took_ns, request.drawn_ns
-            self.link.send(request, request.drawn_ns, sizes.total(), request.is_key)
+            self.link.send(request, request.drawn_ns, sizes.total(), feed_coding.stands_alone(came))
         self._shown = self.link.newest(now_ns)
         return self._shown.frame if self._shown is not None else None
 
