@@ -12,19 +12,14 @@ from collections import Counter, defaultdict, deque
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from statistics import fmean, median
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
-from .. import report
+from .. import client, report
 from ..base import NO_NUMBERS, HmdwarpError, InputError, in_brief
 from ..base.documents import json_in
 from ..base.named_files import RESULTS
-
-if TYPE_CHECKING:  # options, which are read for every --help, have levels
-    from ..client import Compensator, EyeResult, PassInputs, Plan, Stages
-    from ..client.carry import PictureOf
-    from ..gpu import Canvas
 
 # The keys that two rows must share for their figures to be comparable.
 _CASE = (
@@ -286,29 +281,25 @@ class AdaptiveCompensator:
     `changes` lists the switches.
     """
 
-    def __init__(self, governor: Governor, compensators: Mapping[QualityLevel, Compensator]) -> None:
+    def __init__(self, governor: Governor, compensators: Mapping[QualityLevel, client.Compensator]) -> None:
         self._governor, self._compensators = governor, dict(compensators)
         self.changes: list[Change] = []
         self.gpu = self._running.gpu
 
     @property
-    def plan(self) -> Plan:
+    def plan(self) -> client.Plan:
         """The plan of the next refresh."""
         return self._running.plan
 
     @property
-    def _running(self) -> Compensator:
+    def _running(self) -> client.Compensator:
         return self._compensators[self._governor.level]
 
-    def run(self, inputs: PassInputs) -> EyeResult:
+    def run(self, inputs: client.PassInputs) -> client.EyeResult:
         """Run the current level; see Compensator.run."""
         return self._running.run(inputs)
 
-    def carry(self, inputs: PassInputs, picture_of: PictureOf, into: Canvas) -> None:
-        """Warp further pictures as the current level does; see Compensator.carry."""
-        self._running.carry(inputs, picture_of, into)
-
-    def record_timings(self, stages: Sequence[Stages]) -> None:
+    def record_timings(self, stages: Sequence[client.Stages]) -> None:
         """Pass the stage times of the last refresh to the governor; the slower eye counts."""
         change = self._governor.measured(max(sum(milliseconds for _, milliseconds in eye) for eye in stages))
         if change is not None:

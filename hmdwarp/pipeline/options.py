@@ -23,6 +23,7 @@ from ..base import (
     as_path,
     group,
     guard_field,
+    in_brief,
     names_in,
     one_of,
     option,
@@ -190,6 +191,13 @@ class ProxyOptions(Declared):
 SceneKey = tuple[Hashable, ...]
 
 
+def _warp_name(value: str) -> str:
+    """Return the name, which the defaults of other fields read. Errors: InputError."""
+    if not isinstance(value, str):
+        raise InputError(f"--warp {in_brief(value)}: expected a name")
+    return value
+
+
 # Headings of options in help.
 _RENDERING, DISPLAYED = "Rendering", "Display"
 _choosing = partial(option, heading="Choosing warp and fill")
@@ -256,6 +264,7 @@ class PipelineOptions(Declared):
         DEFAULT_WARP,
         f"Warp: {names_in('client/warps')}; auto chooses warp and fill. [default: {DEFAULT_WARP}, or the strategy's]",
         default=None,
+        convert=_warp_name,
     )
     budget_ms: float | None = _choosing(
         None, "Milliseconds for one eye that --warp auto keeps to.", valid=Number(above=True)

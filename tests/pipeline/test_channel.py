@@ -9,9 +9,9 @@ from itertools import product
 
 import numpy as np
 import pytest
-from replays import contents, rows_of, run, small
+from replays import rows_of, run, small
 
-from hmdwarp.base import InputError, UnknownNameError, picture_from_linear, srgb_from_linear
+from hmdwarp.base import picture_from_linear, srgb_from_linear
 from hmdwarp.frames import Frame, Needs
 from hmdwarp.frames.layers import BRIGHT_VIDEO, DEPTH, PACKED, VECTORS, VIDEO, layers
 from hmdwarp.geometry import Fov, Pose, View
@@ -101,19 +101,6 @@ def test_a_plan_that_is_compared_with_gets_decoded_layers_and_costs_the_client_n
     plain = run(tmp_path / "plain", gpu=gpu, warp="environment", against="none", seconds=0.1)
     losses = [result.against[0]["quality"]["psnr_db"]["mean"] for result in (plain, compared)]
     assert losses[0] != losses[1], "the late picture was never coded"
-
-
-@pytest.mark.parametrize(
-    ("options", "error", "message"),
-    [
-        ({"network": LinkOptions.of({"loss": "1"})}, InputError, "no frame has arrived in time to be shown .*lost"),
-        ({"coding": Coding("h265")}, UnknownNameError, "h264"),
-    ],
-)
-def test_a_run_without_a_frame_to_show_is_refused_in_one_line(tmp_path, options, error, message):
-    with pytest.raises(error, match=message):
-        run(tmp_path, **options)
-    assert contents(tmp_path) == {}
 
 
 SIZE = (128, 96)
