@@ -252,8 +252,8 @@ class PipelineOptions(Declared):
     # "" for a client that can run everything; warp "auto" takes the client "picture".
     client: str = _choosing(
         "",
-        f"What the client can do: {names_in('client/classes', '*.toml')}, or a .toml file. [default: everything; "
-        "picture with --warp auto]",
+        f"What the client can do, beyond which all is refused: {names_in('client/classes', '*.toml')}, or a .toml "
+        "file. [default: everything; picture with --warp auto]",
     )
     # With settings after a colon; "" for none by name. It sets other options, see values_of.
     strategy: str = option(
@@ -303,14 +303,14 @@ class PipelineOptions(Declared):
     )
     client_motion: str = _rendering(
         FORESEEN,
-        "What a client that draws knows of motion: all of it, the state that arrived and its speed, or that state.",
+        "What a client that draws knows of motion: all of it, the state that arrived and its speed, or it alone.",
         valid=one_of(FORESEEN, EXTRAPOLATED, HELD),
         limits=f"{FORESEEN}, {EXTRAPOLATED} or {HELD}",
         study=PICTURE,
     )
     headset: str = option(
         "quest-3",
-        f"Headset to emulate: {names_in('headsets', '*.toml')}, a .toml file, or SteamVR's .json; NAME:ipd=63 sets mm.",
+        f"Headset to emulate: {names_in('headsets', '*.toml')}, a .toml file, or SteamVR's .json; NAME:ipd=63 sets mm of IPD.",
         study=DISPLAY,
     )
     lens: str = option(
