@@ -310,7 +310,7 @@ class PipelineOptions(Declared):
     )
     headset: str = option(
         "quest-3",
-        f"Headset to emulate: {names_in('headsets', '*.toml')}, a .toml file, or SteamVR's .json; NAME:ipd=63 sets mm of IPD.",
+        f"Headset to emulate: {names_in('headsets', '*.toml')}, a .toml or SteamVR's .json; NAME:ipd=63 sets its IPD.",
         study=DISPLAY,
     )
     lens: str = option(
