@@ -377,7 +377,7 @@ def _results(add: Add) -> None:
     from bench_files import a_bench, a_row
 
     from hmdwarp.link.delays import read_delays
-    from hmdwarp.pipeline.levels import read_rows
+    from hmdwarp.pipeline.governor import read_rows
 
     def benches(folder: Path) -> None:
         from hmdwarp.metrics import blocks_text

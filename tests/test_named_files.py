@@ -27,7 +27,7 @@ from hmdwarp.client.classes import load_client
 from hmdwarp.experiments.bench import MergeOptions, merge
 from hmdwarp.headsets import load_headset
 from hmdwarp.link.delays import read_delays
-from hmdwarp.pipeline.levels import read_rows
+from hmdwarp.pipeline.governor import read_rows
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.reading import pose_messages as bags
 from hmdwarp.poses.reading import text_table

@@ -17,7 +17,7 @@ from ..client.plan import OTHERS, SHOWN, SHOWN_DEPTH, Plan, build_plan
 from ..client.warps import warps
 from ..frames.layers import PICTURE, readable
 from ..gpu import Gpu
-from ..pipeline.levels import QualityLevel, best_within, front
+from ..pipeline.governor import QualityLevel, best_within, front
 from .picture_textures import KNOWN
 
 # What a caller can pass: pictures with depth, and some layers.

@@ -26,7 +26,7 @@ from ..frames import EyeImage
 from ..geometry import View
 from ..gpu.context import Gpu, check_not_forked
 from ..gpu.textures import COLOUR, SCALAR, Canvas, Owner, check_size
-from ..pipeline.levels import check_budget
+from ..pipeline.governor import check_budget
 from ..pipeline.options import DEFAULT_WARP, SINGLE_FILL
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, GiveOut, PixelBuffers, TakeIn
 from ..sources.repairs import parse_repairs

@@ -3,7 +3,7 @@ from .channel import Channel as Channel
 from .channel import CodedFrame as CodedFrame
 from .channel import Coder as Coder
 from .channel import Reads as Reads
-from .levels import QualityLevel as QualityLevel
+from .governor import QualityLevel as QualityLevel
 from .loop import Loop as Loop
 from .loop import Refresh as Refresh
 from .options import PipelineOptions as PipelineOptions

@@ -27,6 +27,7 @@ from ..sources.server import Renderer
 from .channel import depth_step
 
 Array = NDArray[np.float64]
+Size = tuple[int, int]
 # Scale and offset of the vectors' x, y, z; metres at z = 0 and at z = 1; seconds since the frame
 # before; that frame's eye: pose, head_from_eye, angles.
 NUMBERS = 3 + 3 + 2 + 1 + 18
@@ -58,41 +59,33 @@ def velocity_of(parts: Sequence[NDArray[Any]], view: View, inverse_depth: NDArra
             for many, count in zip(inverse_depth.shape, vectors.shape[:2], strict=True)
         ]
         depth = inverse_depth[np.ix_(*own)].astype(np.float64)
-        found = _velocity(vectors, told, view, depth)
-        return found if vectors.shape[:2] == inverse_depth.shape else _spread(found, depth, inverse_depth)
-
-
-# What an engine's z stands for, in 1/m: at z = 0 and at z = 1; None for vectors without z.
-_ZRange = tuple[float, float] | None
-
-
-def _velocity(vectors: Array, told: Array, view: View, depth: Array) -> NDArray[np.float16]:
-    before = View(Pose(told[9:12], told[12:16]), Fov(*told[23:27]), Pose(told[16:19], told[19:23]))
-    near, far = told[6:8]
-    has_depth, of_z = depth > 0, None if near == far else (1 / near, 1 / far)
-    # The pixels' centres, from -1 to 1, y down.
-    rows, columns = (2 * (np.arange(count) + 0.5) / count - 1 for count in vectors.shape[:2])
-    x, y = np.meshgrid(columns, rows)
-    here = _points(view.fov.tangents, x, y, np.where(has_depth, depth, 1.0))
-    then_from_now = before.pose.relative_to(view.pose).inverse()
-    # In the eye before: where it would have been had it stood still, and where the vectors say.
-    still = then_from_now.rotation.apply(here.reshape(-1, 3)).reshape(here.shape) + then_from_now.position_m
-    now = _ndc(view.fov.tangents, here, of_z)
-    by_head = now - _ndc(before.fov.tangents, still, of_z)
-    if of_z is None:
-        # It had the depth that it would have, had it stood still.
-        vectors = np.dstack([vectors[..., :2], by_head[..., 2]])
-    place = now - vectors
-    inverse = -1 / still[..., 2] if of_z is None else of_z[0] + place[..., 2] * (of_z[1] - of_z[0])
-    # Behind the eye nothing was seen.
-    then = _points(before.fov.tangents, place[..., 0], place[..., 1], np.where(inverse > 0, inverse, np.nan))
-    rounding = _RELATIVE * np.abs(vectors) + _ABSOLUTE
-    moves = has_depth & (np.abs(vectors - by_head) > rounding).any(axis=2) & np.isfinite(then).all(axis=2)
-    velocity = np.zeros((*depth.shape, 4))
-    back = then_from_now.rotation.inv()
-    velocity[moves, :3] = back.apply((still - then)[moves]) / told[8]
-    velocity[moves, 3] = 1
-    return np.clip(velocity, -65504, 65504).astype(np.float16)
+        before = View(Pose(told[9:12], told[12:16]), Fov(*told[23:27]), Pose(told[16:19], told[19:23]))
+        # What an engine's z stands for, in 1/m: at z = 0 and at z = 1; None for vectors without z.
+        has_depth, of_z = depth > 0, None if near == far else (1 / near, 1 / far)
+        # The pixels' centres, from -1 to 1, y down.
+        rows, columns = (2 * (np.arange(count) + 0.5) / count - 1 for count in vectors.shape[:2])
+        x, y = np.meshgrid(columns, rows)
+        here = _points(view.fov.tangents, x, y, np.where(has_depth, depth, 1.0))
+        then_from_now = before.pose.relative_to(view.pose).inverse()
+        # In the eye before: where it would have been had it stood still, and where the vectors say.
+        still = then_from_now.rotation.apply(here.reshape(-1, 3)).reshape(here.shape) + then_from_now.position_m
+        now = _ndc(view.fov.tangents, here, of_z)
+        by_head = now - _ndc(before.fov.tangents, still, of_z)
+        if of_z is None:
+            # It had the depth that it would have, had it stood still.
+            vectors = np.dstack([vectors[..., :2], by_head[..., 2]])
+        place = now - vectors
+        inverse = -1 / still[..., 2] if of_z is None else of_z[0] + place[..., 2] * (of_z[1] - of_z[0])
+        # Behind the eye nothing was seen.
+        then = _points(before.fov.tangents, place[..., 0], place[..., 1], np.where(inverse > 0, inverse, np.nan))
+        rounding = _RELATIVE * np.abs(vectors) + _ABSOLUTE
+        moves = has_depth & (np.abs(vectors - by_head) > rounding).any(axis=2) & np.isfinite(then).all(axis=2)
+        velocity = np.zeros((*depth.shape, 4))
+        back = then_from_now.rotation.inv()
+        velocity[moves, :3] = back.apply((still - then)[moves]) / told[8]
+        velocity[moves, 3] = 1
+        found = np.clip(velocity, -65504, 65504).astype(np.float16)
+    return found if depth.shape == inverse_depth.shape else _spread(found, depth, inverse_depth)
 
 
 def _points(tangents: Array, x: Array, y: Array, inverse_depth: Array) -> Array:
@@ -102,7 +95,7 @@ def _points(tangents: Array, x: Array, y: Array, inverse_depth: Array) -> Array:
     return along / inverse_depth[..., None]
 
 
-def _ndc(tangents: Array, points: Array, of_z: _ZRange) -> Array:
+def _ndc(tangents: Array, points: Array, of_z: tuple[float, float] | None) -> Array:
     """Return x, y from -1 to 1, y down, and z as the engine has it, 0 without."""
     left, right, down, up = tangents
     inverse = -1 / points[..., 2]
@@ -136,7 +129,7 @@ _LARGEST = 1e6
 _MOST_TABLE = 1 << 20  # bytes of a layer besides its pictures
 
 
-def wanted_of(needs: Needs, views: Sequence[View], shown_size: tuple[int, int]) -> Wanted | None:
+def wanted_of(needs: Needs, views: Sequence[View], shown_size: Size) -> Wanted | None:
     """Return what to ask a server for; other layers are the client's. views: as shown."""
     of_server = [layer for layer in map(layers.get, needs) if not layer.of_client]
     amounts = tuple((layer.name, layer.stated(needs[layer.name])) for layer in of_server)
@@ -151,7 +144,7 @@ def fovea_of(needs: Needs) -> tuple[Fovea | None, frozenset[str], Needs]:
     return needs[found[0]] if found else None, stand_for, rest
 
 
-def grids_of(frame: FrameMessage, size: tuple[int, int]) -> tuple[FoveaGrid, ...]:
+def grids_of(frame: FrameMessage, size: Size) -> tuple[FoveaGrid, ...]:
     """Return the grid of each eye's foveated pictures.
 
     size: of the whole ones. Errors: Undecodable.
@@ -181,19 +174,11 @@ def needs_of_client(wanted: Wanted | None) -> Needs:
             found[name] = layers.get(name).amount_of(stated)
         except (TypeError, ValueError, OverflowError) as error:
             why = str(error).partition("\n")[0]
-            raise InputError(
-                f"there is no {stated} of layer '{name}' ({why}): docs/feed.md says how much there is"
-            ) from error
+            raise InputError(f"there is no {stated} of layer '{name}' ({why}): see docs/feed.md") from error
     return Needs(**found)
 
 
-def _amounts(wanted: Wanted | None) -> dict[str, Any]:
-    """Return the amounts of the layers that were requested from here."""
-    stated = () if wanted is None else wanted.layers
-    return {name: layers.get(name).amount_of(how) for name, how in stated}
-
-
-def sizes_of(wanted: Wanted, size: tuple[int, int]) -> EyeSizes:
+def sizes_of(wanted: Wanted, size: Size) -> EyeSizes:
     """Return what the sizes of layers follow from. size: of the rendered picture."""
     return EyeSizes(size, wanted.size, wanted.fovs)
 
@@ -207,10 +192,8 @@ def parts_of(frame: Frame, needs: Needs, *, packs: bool) -> tuple[Layers, ...]:
     for (number, eye), name in itertools.product(enumerate(frame.eyes), needs):
         layer = layers.get(name)
         if not (number and layer.per_frame):
-            drawn = [
-                one.reshape(1, -1) if isinstance(one, np.ndarray) else download(one) for one in layer.sent(eye[name])
-            ]
-            numbers = layer.numbers(eye[name])
+            sent, numbers = layer.sent(eye[name]), layer.numbers(eye[name])
+            drawn = [one.reshape(1, -1) if isinstance(one, np.ndarray) else download(one) for one in sent]
             rest = [numbers] if numbers is not None else [] if drawn else [_NOTHING]
             found[number][name] = [*(packed(picture) if packs else picture for picture in drawn), *rest]
     return found
@@ -223,31 +206,29 @@ def unpacked(frame: FrameMessage) -> FrameMessage:
     """
     if not frame.layers:
         return frame
+    found = []
     try:
-        found = tuple(
-            {
-                name: [part.numbers() if isinstance(part, Packed) else part for part in parts]
-                for name, parts in of_eye.items()
-            }
-            for of_eye in frame.layers
-        )
-        for eye, (of_eye, view) in enumerate(zip(found, frame.views, strict=True)):
-            if len(of_eye.get(VELOCITY, ())) > 1:
+        for eye, (of_eye, view) in enumerate(zip(frame.layers, frame.views, strict=True)):
+            own = {}
+            for name, parts in of_eye.items():
+                own[name] = [part.numbers() if isinstance(part, Packed) else part for part in parts]
+            if len(own.get(VELOCITY, ())) > 1:
                 if isinstance(frame.inverse_depths[eye], bytes):
                     raise InputError("motion vectors without depth")
-                of_eye[VELOCITY] = [velocity_of(of_eye[VELOCITY], view, frame.inverse_depth(eye))]
+                own[VELOCITY] = [velocity_of(own[VELOCITY], view, frame.inverse_depth(eye))]
+            found.append(own)
     except (BadPart, InputError) as error:
         raise Undecodable(str(error)) from error
-    return attrs.evolve(frame, layers=found)
+    return attrs.evolve(frame, layers=tuple(found))
 
 
-def wanted_alone(frame: FrameMessage, wanted: Wanted | None, drawn: tuple[int, int]) -> FrameMessage:
+def wanted_alone(frame: FrameMessage, wanted: Wanted | None, drawn: Size) -> FrameMessage:
     """Return the frame with the requested layers alone: others are never unpacked.
 
     drawn: (w, h) of the whole picture.
     Errors: Undecodable where one claims to be larger than requested.
     """
-    names = _amounts(wanted)
+    names = needs_of_client(wanted)
     found = tuple({name: of_eye[name] for name in of_eye if name in names} for of_eye in frame.layers)
     for of_eye in found:
         for name, parts in of_eye.items():
@@ -259,14 +240,14 @@ def wanted_alone(frame: FrameMessage, wanted: Wanted | None, drawn: tuple[int, i
     return attrs.evolve(frame, layers=found)
 
 
-def misfit(frame: FrameMessage, wanted: Wanted | None, drawn: tuple[int, int] | None = None) -> str:
+def misfit(frame: FrameMessage, wanted: Wanted | None, drawn: Size | None = None) -> str:
     """Return why a frame's layers are not the requested ones, "" if they are.
 
     drawn: (w, h) of the whole picture where that is foveated.
     """
     if wanted is None:
         return ""
-    sizes, amounts = sizes_of(wanted, drawn or frame.size), _amounts(wanted)
+    sizes, amounts = sizes_of(wanted, drawn or frame.size), needs_of_client(wanted)
     for eye, of_eye in enumerate(frame.layers or ({},) * len(frame.views)):
         for name, amount in amounts.items():
             layer = layers.get(name)
@@ -308,7 +289,7 @@ def made(server: Renderer, eyes: Sequence[EyeImage], parts: Sequence[Layers], wa
     shared, found = dict[str, Any](), []
     for eye, of_eye in zip(eyes, parts, strict=True):
         own = dict[str, Any]()
-        for name, amount in _amounts(wanted).items():
+        for name, amount in needs_of_client(wanted).items():
             layer, sent = layers.get(name), list[Any]()
             if name in shared:
                 continue
@@ -328,24 +309,18 @@ def made(server: Renderer, eyes: Sequence[EyeImage], parts: Sequence[Layers], wa
 # The layer of frames whose picture is light alone; its table may have how far that reaches.
 LIGHT = "light"
 CODECS = {message.H264: "h264", message.HEVC: "hevc", message.VP9: "vp9", message.AV1: "av1"}
-# What `bounds.CODED` counts a pixel for, by format of colour and of depth; and the bytes that an
-# encoder keeps of one, FFV1's too.
-_WORK = (
-    {message.H264: 1, message.HEVC: 4, message.VP9: 1, message.AV1: 3},
-    {message.DEPTH_VIDEO: 2, message.DEPTH_VIDEO8: 2},
-)
-_BYTES = (
-    {message.H264: 20, message.HEVC: 55, message.VP9: 90, message.AV1: 55},
-    {message.DEPTH_VIDEO: 65, message.DEPTH_VIDEO8: 65, message.DEPTH_EXACT: 40},
+# Of a pixel, by format of colour and of depth: what `bounds.CODED` counts it for, and the bytes
+# that an encoder keeps of it, FFV1's too.
+_COSTS = (
+    {message.H264: (1, 20), message.HEVC: (4, 55), message.VP9: (1, 90), message.AV1: (3, 55)},
+    {message.DEPTH_VIDEO: (2, 65), message.DEPTH_VIDEO8: (2, 65), message.DEPTH_EXACT: (0, 40)},
 )
 _FORMATS = {name: number for number, name in CODECS.items()}
 _DEPTHS = {codec.AS_VIDEO: message.DEPTH_VIDEO, codec.AS_VIDEO8: message.DEPTH_VIDEO8}
 _VIDEOS = {number: codec.DEPTH_VIDEOS[name] for name, number in _DEPTHS.items()}
 
 
-def wish_of(
-    raw: Wish, coding: Coding, rate_hz: float, views: Sequence[View], size: tuple[int, int], age_s: float
-) -> Wish:
+def wish_of(raw: Wish, coding: Coding, rate_hz: float, views: Sequence[View], size: Size, age_s: float) -> Wish:
     """Return what to ask the server for, so that frames are coded as a run here would.
 
     raw: how they come without a codec. views, size: of the display; a guard band leaves the pixels
@@ -353,11 +328,9 @@ def wish_of(
     """
     if codec.codecs.get(coding.codec).is_none:
         return attrs.evolve(raw, rate_hz=rate_hz)
-    depth, step = (
-        _DEPTHS.get(coding.depth, message.DEPTH_EXACT),
-        depth_step(coding, [(view.fov, size) for view in views], age_s),
-    )
-    return Wish(_FORMATS[coding.codec], depth, coding.crf, rate_hz, coding.bitrate_mbit or 0.0, step)
+    step = depth_step(coding, [(view.fov, size) for view in views], age_s)
+    forms = _FORMATS[coding.codec], _DEPTHS.get(coding.depth, message.DEPTH_EXACT)
+    return Wish(*forms, coding.crf, rate_hz, coding.bitrate_mbit or 0.0, step)
 
 
 def left_out(frame: FrameMessage, eye: int) -> frozenset[str]:
@@ -366,7 +339,7 @@ def left_out(frame: FrameMessage, eye: int) -> frozenset[str]:
     return frozenset(name for name, picture in both if isinstance(picture, bytes))
 
 
-def arrays_of(frame: FrameMessage, eye: int, size: tuple[int, int], missing: Collection[str] = ()) -> Arrays:
+def arrays_of(frame: FrameMessage, eye: int, size: Size, missing: Collection[str] = ()) -> Arrays:
     """Return what a decoded frame has of one eye, in (w, h) pixels; nothing where it is missing."""
     of_colour, of_depth = PICTURE
     # Where nothing was drawn: one number each, at every pixel.
@@ -383,19 +356,18 @@ def depth_error(frame: FrameMessage, wish: Wish) -> float:
     """Return by how much coded depth may be wrong, in 1/m: as for frames that are coded here."""
     if frame.depth == message.DEPTH_CODES:
         return max(0.55 * depth.step for depth in frame.inverse_depths if isinstance(depth, DepthCodes))
-    return {message.DEPTH_EXACT: wish.depth_step / 2, **dict.fromkeys(_VIDEOS, 2 * wish.depth_step)}.get(
-        frame.depth, 0.0
-    )
+    steps = {message.DEPTH_EXACT: 0.5, **dict.fromkeys(_VIDEOS, 2.0)}.get(frame.depth, 0.0)
+    return steps * wish.depth_step
 
 
-def codes_video(form: int, *, of_depth: bool = False) -> bool:
-    """Return whether pictures of a format need those before them."""
-    return form in (_VIDEOS if of_depth else CODECS)
+def stands_alone(frame: FrameMessage) -> bool:
+    """Return whether a frame can be decoded without those before it."""
+    return frame.begins or not (frame.colour in CODECS or frame.depth in _VIDEOS)
 
 
 def check_work(ask: Ask) -> None:
     """Check what coding a frame will take. Errors: bounds.OutOfBounds."""
-    bounds.CODED.check(_of_all_pixels(ask, _WORK))
+    bounds.CODED.check(_of_all_pixels(ask)[0])
 
 
 def videos_for_browsers() -> dict[str, int]:
@@ -404,13 +376,14 @@ def videos_for_browsers() -> dict[str, int]:
     for name in codec.VIDEOS:
         with suppress(MachineError):
             codec.codecs.get(name).check()
-            found[name] = _WORK[0][_FORMATS[name]] + _WORK[1][message.DEPTH_VIDEO8]
+            found[name] = _COSTS[0][_FORMATS[name]][0] + _COSTS[1][message.DEPTH_VIDEO8][0]
     return found
 
 
-def _of_all_pixels(ask: Ask, of: tuple[dict[int, int], dict[int, int]]) -> int:
-    of_pixel = of[0].get(ask.wish.colour, 0) + of[1].get(ask.wish.depth, 0)
-    return len(ask.views) * ask.size[0] * ask.size[1] * of_pixel
+def _of_all_pixels(ask: Ask) -> tuple[int, ...]:
+    pixels = len(ask.views) * ask.size[0] * ask.size[1]
+    both = (costs.get(form, (0, 0)) for costs, form in zip(_COSTS, (ask.wish.colour, ask.wish.depth), strict=True))
+    return tuple(pixels * sum(of_pixel) for of_pixel in zip(*both, strict=True))
 
 
 class FeedEncoder:
@@ -424,8 +397,7 @@ class FeedEncoder:
         self._eyes = [_encoders(ask.wish, ask.size) for _ in ask.views]
         # Powers of 2 beyond 1 that the bytes of each eye's light reach; see bytes_from_light.
         self._stops = [0] * len(ask.views)
-        # That its encoders hold, about.
-        self.bytes = _of_all_pixels(ask, _BYTES)
+        self.bytes = _of_all_pixels(ask)[1]  # that its encoders hold, about
 
     def suits(self, ask: Ask) -> bool:
         """Return whether the next frame may follow on the ones before."""
@@ -447,20 +419,12 @@ class FeedEncoder:
             depths.append(of_depth(frame.inverse_depths[eye]))
             if self._stops[eye] and eye < len(layers) and LIGHT in layers[eye]:
                 layers[eye][LIGHT] = [np.array([[self._stops[eye]]], np.float64)]
-        return attrs.evolve(
-            frame,
-            layers=tuple(layers),
-            colours=tuple(colours),
-            inverse_depths=tuple(depths),
-            colour=self.wish.colour or message.RGBA16F,
-            depth=self.wish.depth or message.INVERSE_DEPTH,
-            coded_size=self.size,
-            begins=place == 0,
-            place=place,
-        )
+        coded: dict[str, Any] = {"colours": tuple(colours), "inverse_depths": tuple(depths), "layers": tuple(layers)}
+        coded |= {"colour": self.wish.colour or message.RGBA16F, "depth": self.wish.depth or message.INVERSE_DEPTH}
+        return attrs.evolve(frame, **coded, coded_size=self.size, begins=place == 0, place=place)
 
 
-def _encoders(wish: Wish, size: tuple[int, int]) -> tuple[codec.ColourEncoder | None, Callable[[Any], Any]]:
+def _encoders(wish: Wish, size: Size) -> tuple[codec.ColourEncoder | None, Callable[[Any], Any]]:
     """Return what codes an eye's colour, None where it goes as it is, and its depth."""
     colour, step = None, wish.depth_step or codec.STEP
     if wish.colour in CODECS:
@@ -485,8 +449,18 @@ class FeedDecoder:
 
         Errors: Undecodable, until one begins the stream anew.
         """
-        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is not finite, and left out
-            found = self._decoded(frame)
+        found, self.wants_anew = frame, frame.is_coded
+        if frame.is_coded:
+            coded_as = frame.colour, frame.depth, frame.size, len(frame.views)
+            if frame.begins and self._coded_as != coded_as:
+                self._eyes, self._coded_as = [_EyeDecoder(frame) for _ in frame.views], coded_as
+            if self._coded_as != coded_as:
+                raise Undecodable("another format, size or number of eyes than where the stream began")
+            sides = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
+            with np.errstate(over="ignore", invalid="ignore"):  # what overflows is not finite, and left out
+                pictures = [eye.decode(frame, colour, depth) for eye, colour, depth in sides]
+            of_colour, of_depth = zip(*pictures, strict=True)
+            found, self.wants_anew = attrs.evolve(frame, colours=of_colour, inverse_depths=of_depth), False
         if not found.is_finite:
             raise Undecodable("numbers that are not finite in its pictures")
         found = unpacked(found)
@@ -502,20 +476,6 @@ class FeedDecoder:
             light = codec.light_from_bytes(np.asarray(colour[..., :3], np.uint8), int(stops[0]))
             colours[eye] = np.concatenate([light, (colour[..., 3:] > 0).astype(np.float16)], axis=-1)
         return attrs.evolve(found, colours=tuple(colours))
-
-    def _decoded(self, frame: FrameMessage) -> FrameMessage:
-        self.wants_anew = frame.is_coded
-        if not frame.is_coded:
-            return frame
-        coded_as = frame.colour, frame.depth, frame.size, len(frame.views)
-        if frame.begins and self._coded_as != coded_as:
-            self._eyes, self._coded_as = [_EyeDecoder(frame) for _ in frame.views], coded_as
-        if self._coded_as != coded_as:
-            raise Undecodable("another format, size or number of eyes than where the stream began")
-        sides = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
-        colours, depths = zip(*(eye.decode(frame, colour, depth) for eye, colour, depth in sides), strict=True)
-        self.wants_anew = False
-        return attrs.evolve(frame, colours=colours, inverse_depths=depths)
 
 
 class _EyeDecoder:

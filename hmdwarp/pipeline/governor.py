@@ -1,23 +1,142 @@
-"""Governor: keep a run within its budget by moving between quality levels on measured times.
+"""Quality levels, and the governor that keeps a run within its budget by moving between them.
 
-Pure: it reads neither clock nor GPU. Time counts in refreshes.
+Levels are the Pareto-optimal combinations of warp and fill in a benchmark. The governor is pure: it
+reads neither clock nor GPU, and time counts in refreshes.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections import deque
-from collections.abc import Mapping, Sequence
-from statistics import median
+from collections import Counter, defaultdict, deque
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from statistics import fmean, median
+from typing import Any
 
 import attrs
 
-from ..base import HmdwarpError
-from ..client import Compensator, EyeResult, PassInputs, Plan, Stages
-from ..client.carry import PictureOf
-from ..gpu import Canvas
-from .levels import QualityLevel, best_within
+from .. import client, report
+from ..base import NO_NUMBERS, HmdwarpError, InputError, in_brief
+from ..base.documents import json_in
+from ..base.named_files import RESULTS
+
+# The keys that two rows must share for their figures to be comparable.
+_CASE = (
+    *("trace", "scene", "latency_ms", "lens", "headset", "size"),
+    *("rate_hz", "server_rate_hz", "guard", "predict", "frames"),
+)
+Row = Mapping[str, Any]
+
+
+@attrs.frozen
+class QualityLevel:
+    """One Pareto-optimal combination: nothing as cheap is more accurate."""
+
+    # A registered name with its settings, as --warp takes it.
+    warp: str
+    fill: str
+    total_ms: float  # per eye
+    # Mean FLIP; 0 is perfect.
+    error: float
+    psnr_db: float | None = None
+
+    def __str__(self) -> str:
+        return self.warp if self.fill == "none" else f"{self.warp} + {self.fill}"
+
+    def scaled(self, factor: float) -> QualityLevel:
+        """Return the level on a machine, or at a size, that takes `factor` times as long."""
+        return attrs.evolve(self, total_ms=self.total_ms * factor)
+
+
+def levels_from(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
+    """Return the Pareto front of error against time, from the cheapest level to the most accurate.
+
+    Each is slower and better than the last. rows: as in bench.json. Figures are means over the
+    cases (trace, scene, latency, ..) that every combination was measured in; of several sizes the
+    largest counts, where time is scarcest; of several machines the one with the most rows. Rows
+    without a time or a FLIP are ignored.
+    Errors: InputError if no combination was measured, or no case is common to all.
+    """
+    timed = [row for row in rows if (row["time_ms"]["total"]["median"] or 0) > 0]
+    timed = [row for row in timed if row["quality"]["flip"]["mean"] is not None]
+    if not timed:
+        raise InputError("no combination was measured with a time and a FLIP: run the benchmark with both")
+    most = max(math.prod(row["size"]) for row in timed)
+    # Times of two machines are not comparable.
+    places = [(math.prod(row["size"]), (row.get("machine") or {}).get("host")) for row in timed]
+    chosen = Counter(place for place in places if place[0] == most).most_common(1)[0][0]
+    combined: dict[tuple[str, str], dict[tuple[Any, ...], list[Any]]] = defaultdict(lambda: defaultdict(list))
+    for row, place in zip(timed, places, strict=True):
+        if place == chosen:
+            case = tuple(tuple(value) if isinstance(value := row.get(key), list) else value for key in _CASE)
+            quality = row["quality"]
+            figures = row["time_ms"]["total"]["median"], quality["flip"]["mean"], quality["psnr_db"]["mean"]
+            combined[row["warp"], row["fill"]][case].append(figures)
+    shared = set.intersection(*(set(cases) for cases in combined.values()))
+    if not shared:
+        how = "measure all of them with the same traces, scenes and latencies"
+        raise InputError(f"{len(combined)} combinations of warp and fill were measured in no common case: {how}")
+    levels = []  # fmean: no mean depends on the order of the rows
+    for (warp, fill), cases in combined.items():
+        times, errors, psnr = zip(*(figures for case in shared for figures in cases[case]), strict=True)
+        levels.append(QualityLevel(warp, fill, fmean(times), fmean(errors), None if None in psnr else fmean(psnr)))
+    return front(levels)
+
+
+def best_within(levels: tuple[QualityLevel, ...], budget_ms: float | None, name: str = "--budget") -> int:
+    """Return the index of the most accurate level within the budget.
+
+    name: of the budget, in errors. Errors: InputError with the cheapest time if none fits.
+    """
+    budget_ms = check_budget(budget_ms, name)
+    fitting = [number for number, level in enumerate(levels) if level.total_ms <= budget_ms]
+    if not fitting:
+        raise InputError(
+            f"{name} {budget_ms:g} ms: nothing is that fast here; the cheapest, {levels[0]}, takes "
+            f"{levels[0].total_ms:.2f} ms per eye: allow that much, or use a smaller size"
+        )
+    return fitting[-1]
+
+
+def check_budget(budget_ms: float | None, name: str) -> float:
+    """Return the budget. Errors: InputError for one that is no time above 0."""
+    try:
+        found = float(budget_ms or 0)
+    except NO_NUMBERS:
+        found = math.nan
+    if budget_ms is None or not 0 < found < math.inf:
+        said = in_brief(budget_ms) if math.isnan(found) else f"{found:g}"
+        raise InputError(f"{name} {said} ms: expected a time above 0 ms for one eye")
+    return budget_ms
+
+
+def front(levels: list[QualityLevel]) -> tuple[QualityLevel, ...]:
+    """Return those that nothing as cheap is more accurate than, from the cheapest on."""
+    found: list[QualityLevel] = []
+    for level in sorted(levels, key=lambda one: (one.total_ms, one.error, one.warp, one.fill)):
+        if not found or level.error < found[-1].error:
+            found.append(level)
+    return tuple(found)
+
+
+def read_rows(path: Path) -> list[Row]:
+    """Return the rows of a bench.json, less those of strategies.
+
+    Errors: InputError naming the file and its fault.
+    """
+    bench = json_in(path, attrs.evolve(RESULTS, what="the bench.json that hmdwarp bench wrote"))
+    if not isinstance(bench, dict) or not isinstance(bench.get("rows"), list):
+        raise InputError(f"{path}: it has no list of 'rows'; expected the bench.json that hmdwarp bench wrote")
+    if bench.get("schema") != report.SCHEMA:
+        found = f"its schema is {bench.get('schema')!r}, this program reads {report.SCHEMA}"
+        raise InputError(f"{path}: {found}: run hmdwarp bench again")
+    for number, row in enumerate(bench["rows"]):
+        faults = report.summary_faults(row)
+        if faults:
+            raise InputError(f"{path}: row {number}: {'; '.join(faults)}")
+    return [row for row in bench["rows"] if not row.get("strategy")]
+
 
 # Evidence against a level is the share by which its time exceeds the budget, summed while the sum
 # is above 0 (CUSUM). One refresh adds a quarter at most, so that a spike alone is no evidence: 4
@@ -110,12 +229,15 @@ class Governor:
             stay.against.clear()
         else:
             stay.against.append(total_ms)
-        if stay.evidence >= ENOUGH and self._at > 0:
-            return self._down(median(stay.against))
-        return self._up(median(stay.window)) if len(stay.window) == WINDOW else None
+        is_over = stay.evidence >= ENOUGH and self._at > 0
+        if not is_over and len(stay.window) < WINDOW:
+            return None
+        time_ms = median(stay.against if is_over else stay.window)
+        # The time that each level is expected to take now.
+        expected = [time_ms * level.total_ms / self.level.total_ms for level in self.levels]
+        return self._down(time_ms, expected) if is_over else self._up(time_ms, expected)
 
-    def _down(self, time_ms: float) -> Change:
-        expected = self._expected(time_ms)
+    def _down(self, time_ms: float, expected: list[float]) -> Change:
         to = max((k for k in range(self._at) if expected[k] <= self.budget_ms), default=0)
         if self._stay.climbed:
             # A move up that soon led down has failed, of dearer levels too; one that lasted
@@ -129,8 +251,8 @@ class Governor:
         over = f"{self.level} takes {time_ms:.2f} ms, over the budget of {self.budget_ms:g} ms"
         return self._change(to, f"{over}; {self.levels[to]} is expected to take {expected[to]:.2f} ms{least}")
 
-    def _up(self, time_ms: float) -> Change | None:
-        room, expected, ready = self._stay.room, self._expected(time_ms), []
+    def _up(self, time_ms: float, expected: list[float]) -> Change | None:
+        room, ready = self._stay.room, []
         for k in range(self._at + 1, len(self.levels)):
             room[k] = room[k] + 1 if expected[k] <= MARGIN * self.budget_ms else 0
             if room[k] >= PATIENCE * BACK_OFF ** self._failures[k]:
@@ -143,10 +265,6 @@ class Governor:
             f"within {MARGIN:.0%} of the budget of {self.budget_ms:g} ms, now to take {expected[to]:.2f} ms"
         )
         return self._change(to, reason)
-
-    def _expected(self, time_ms: float) -> list[float]:
-        """Return the time that each level is expected to take now."""
-        return [time_ms * level.total_ms / self.level.total_ms for level in self.levels]
 
     def _change(self, to: int, reason: str) -> Change:
         change = Change(self._refresh, self.level, self.levels[to], reason)
@@ -163,29 +281,25 @@ class AdaptiveCompensator:
     `changes` lists the switches.
     """
 
-    def __init__(self, governor: Governor, compensators: Mapping[QualityLevel, Compensator]) -> None:
+    def __init__(self, governor: Governor, compensators: Mapping[QualityLevel, client.Compensator]) -> None:
         self._governor, self._compensators = governor, dict(compensators)
         self.changes: list[Change] = []
         self.gpu = self._running.gpu
 
     @property
-    def plan(self) -> Plan:
+    def plan(self) -> client.Plan:
         """The plan of the next refresh."""
         return self._running.plan
 
     @property
-    def _running(self) -> Compensator:
+    def _running(self) -> client.Compensator:
         return self._compensators[self._governor.level]
 
-    def run(self, inputs: PassInputs) -> EyeResult:
+    def run(self, inputs: client.PassInputs) -> client.EyeResult:
         """Run the current level; see Compensator.run."""
         return self._running.run(inputs)
 
-    def carry(self, inputs: PassInputs, picture_of: PictureOf, into: Canvas) -> None:
-        """Warp further pictures as the current level does; see Compensator.carry."""
-        self._running.carry(inputs, picture_of, into)
-
-    def record_timings(self, stages: Sequence[Stages]) -> None:
+    def record_timings(self, stages: Sequence[client.Stages]) -> None:
         """Pass the stage times of the last refresh to the governor; the slower eye counts."""
         change = self._governor.measured(max(sum(milliseconds for _, milliseconds in eye) for eye in stages))
         if change is not None:

@@ -36,8 +36,9 @@ from ..link import CHANGES, SUM, Bandwidth, LinkOptions
 from ..link.codec import Coding
 from ..poses.options import DEFAULT_PREDICTOR, PREDICTORS
 from ..scenes.options import EXTRAPOLATED, FORESEEN, HELD, SceneOptions
+from ..sources.feed.options import FeedOptions
 from ..sources.sequences.options import SequenceOptions, repair_field
-from .levels import QualityLevel
+from .governor import QualityLevel
 
 # frames.layers.PICTURE, which loads NumPy: this file is read for every --help.
 _PICTURE = ("rendered.colour", "rendered.inverse_depth")
@@ -54,7 +55,6 @@ def guard_band(guard: Guard | str) -> geometry.GuardBand:
 class SourceKind:
     """What is known of a source of frames by its options, before anything is loaded."""
 
-    name: str
     layers: tuple[str, ...] | None = None  # layers that its frames can have; None for any
     has_geometry: bool = True  # whether the client can have the scene's geometry
     has_head: bool = False  # whether it comes with a head's motion and a display of its own
@@ -69,9 +69,8 @@ class SourceKind:
             raise InputError(f"{name}: recorded frames set it; begin again with other options")
 
 
-SCENE = SourceKind("scene")
+SCENE = SourceKind()
 RECORDING = SourceKind(
-    "recording",
     (*_PICTURE, "rendered.others"),
     has_geometry=False,
     has_head=True,
@@ -81,10 +80,13 @@ RECORDING = SourceKind(
 )
 # The scene's name where a server elsewhere shows its own, whatever it is.
 SERVER_SCENE = "server"
-# A server elsewhere.
-REMOTE = SourceKind("remote", is_timed=True)
+# A server elsewhere: with a scene that the options name, and with one that it has alone.
+REMOTE = SourceKind(is_timed=True)
+SERVED = SourceKind(
+    has_geometry=False, is_timed=True, limits="; the scene is at the server: use another warp, or name it by --scene"
+)
 # A machine near the client that warps for it, and sends the finished picture.
-PROXY = SourceKind("proxy", _PICTURE[:1])
+PROXY = SourceKind(_PICTURE[:1])
 
 # Options that recorded frames set, with their values; those that are refused wherever they are set;
 # and why.
@@ -99,10 +101,8 @@ def with_frames(said: Mapping[str, Any], usual: Mapping[str, Any]) -> Mapping[st
     usual: the default of each option. Errors: InputError for what frames leave no choice in.
     """
     if said.get("frames") is None:
-        if said.get("eye_distance") is not None:
-            raise InputError(
-                f"--eye-distance {said['eye_distance']:g} without --frames: a headset has both; leave it out"
-            )
+        if (apart_mm := said.get("eye_distance")) is not None:
+            raise InputError(f"--eye-distance {apart_mm:g} without --frames: a headset has both; leave it out")
         return said
     for name in _ONLY_SAID:
         if said.get(name) not in (None, usual.get(name)):
@@ -130,10 +130,6 @@ def _default_fill(warp: str) -> str:
     return DEFAULT_FILL if _PICTURE[1] in chosen.entry.reads_for(chosen.settings) else "none"
 
 
-# Of the whole way, the part before the proxy, where only the whole is given.
-_BEFORE = 0.75
-
-
 @attrs.frozen
 class ProxyOptions(Declared):
     """A proxy between server and client. Options that are not named here are the client's.
@@ -144,36 +140,26 @@ class ProxyOptions(Declared):
     heading = "Proxy"
     on: bool = option(
         False,
-        "A proxy warps: it gets frames from the server, and sends the client the finished picture for the newest pose "
-        "that it knows. --latency, codec, loss and bandwidth are then those of the link to the client.",
+        "Warp on a proxy, which sends finished pictures; --latency and codec are those of its link to the client.",
         name="proxy",
     )
     # Poses go the other way; as everywhere, the latency is that of both ways together.
     latency_ms: float = option(
-        300.0,
-        "Milliseconds from drawing a frame on the server to its arrival at the proxy.",
-        name="proxy_latency",
-        valid=Number(),
+        300.0, "Milliseconds from drawing a frame to its arrival at the proxy.", name="proxy_latency", valid=Number()
     )
     warp: str = option(DEFAULT_WARP, f"Warp on the proxy: {names_in('client/warps')}.", name="proxy_warp")
     fill: str = option(
         attrs.Factory(lambda self: _default_fill(self.warp), takes_self=True),
-        f"Fill on the proxy: {names_in('client/fills')}, or several with +. [default: {DEFAULT_FILL}; none where its "
-        "warp reads colour alone]",
+        f"Fill on the proxy, one or several with +. [default: {DEFAULT_FILL}; none where its warp reads colour alone]",
         kind=str,
         default=None,
         name="proxy_fill",
     )
     guard: float = option(
-        DEFAULT_GUARD,
-        "Guard band of the frames from the server, around the picture that the proxy sends.",
-        name="proxy_guard",
-        valid=Number(least=1.0),
+        DEFAULT_GUARD, "Guard band of the frames that the proxy gets.", name="proxy_guard", valid=Number(least=1.0)
     )
     codec: str = option(
-        "none",
-        f"Codec between server and proxy, at its own quality: {names_in('link/codec/codecs')}.",
-        name="proxy_codec",
+        "none", f"Codec of frames to the proxy, at its quality: {names_in('link/codec/codecs')}.", name="proxy_codec"
     )
 
     @classmethod
@@ -181,9 +167,7 @@ class ProxyOptions(Declared):
         """Return the fields whose options were set. Errors: InputError for one without a proxy."""
         for offered in options_of(cls):
             if said.get(offered.name) not in (None, offered.default) and not said.get("proxy"):
-                raise InputError(
-                    f"{offered.flag} {said[offered.name]}: there is no proxy; add --proxy, or leave it out"
-                )
+                raise InputError(f"{offered.flag} {said[offered.name]}: there is no proxy; add --proxy")
         return super().values_of(said)
 
     def link(self, network: LinkOptions) -> LinkOptions:
@@ -216,9 +200,9 @@ def _warp_name(value: str) -> str:
 
 # Headings of options in help.
 _RENDERING, DISPLAYED = "Rendering", "Display"
-RECORDED = SequenceOptions.heading
 _choosing = partial(option, heading="Choosing warp and fill")
 _rendering, _displayed = partial(option, heading=_RENDERING), partial(option, heading=DISPLAYED)
+_NO_FEED = FeedOptions()  # of options without
 # Depth of a pixel of several samples.
 MOST_SAMPLES = 16
 
@@ -253,13 +237,12 @@ class PipelineOptions(Declared):
     # 0 for the camera's eye alone.
     eye_distance_mm: float = option(
         attrs.Factory(lambda self: self.usual_eye_distance_mm, takes_self=True),
-        "Show recorded frames to a second eye too, this many millimetres to the right of the camera. [default: 0, one "
-        "eye; 63 in live]",
+        "Millimetres from the camera to a right eye that sees recorded frames too. [default: 0, one eye; 63 in live]",
         default=None,
         kind=float,
         valid=Number(most=500.0),
         study=DISPLAY,
-        heading=RECORDED,
+        heading=SequenceOptions.heading,
     )
     latency_ms: float = option(
         200.0,
@@ -269,19 +252,17 @@ class PipelineOptions(Declared):
     # "" for a client that can run everything; warp "auto" takes the client "picture".
     client: str = _choosing(
         "",
-        f"What the client can do: {names_in('client/classes', '*.toml')}, or a .toml file; what it lacks is refused, "
-        "and never chosen. By default all, and picture where --warp auto chooses.",
+        f"What the client can do, beyond which all is refused: {names_in('client/classes', '*.toml')}, or a .toml "
+        "file. [default: everything; picture with --warp auto]",
     )
     # With settings after a colon; "" for none by name. It sets other options, see values_of.
     strategy: str = option(
         "",
-        f"What crosses the link, and what the client does with it: {names_in('client/strategies')}. Sets the warp and "
-        "what else it takes.",
+        f"What crosses the link, and what the client does with it: {names_in('client/strategies')}; sets the warp.",
     )
     warp: str = option(
         DEFAULT_WARP,
-        f"Warp: {names_in('client/warps')}; or auto, which chooses warp and fill. [default: {DEFAULT_WARP}, or the "
-        "strategy's]",
+        f"Warp: {names_in('client/warps')}; auto chooses warp and fill. [default: {DEFAULT_WARP}, or the strategy's]",
         default=None,
         convert=_warp_name,
     )
@@ -295,8 +276,8 @@ class PipelineOptions(Declared):
     )
     fill: str = option(
         attrs.Factory(lambda self: _default_fill(self.warp), takes_self=True),
-        f"Fill (inpainting): {names_in('client/fills')}, or several with +. [default: {DEFAULT_FILL}; none where "
-        "the warp reads colour alone; auto's own]",
+        f"Fill (inpainting): {names_in('client/fills')}, or several with +. [default: {DEFAULT_FILL}; none for a warp "
+        "of colour alone]",
         kind=str,
         default=None,
     )
@@ -311,29 +292,25 @@ class PipelineOptions(Declared):
     )
     samples: int = _rendering(
         4,
-        "Samples of each pixel of a scene's surfaces, in pictures and truth: colour is their mean in linear light. 4 "
-        "is what engines send, 1 draws jagged edges.",
+        "Samples per pixel of a scene's surfaces, in images and ground truth; 4 as engines do, 1 draws jagged edges.",
         valid=Number(least=1, most=MOST_SAMPLES),
         study=PICTURE,
     )
     # In the syntax of client.parse_indirect; only where the scene's lamps move.
     indirect: str = _rendering(
         "converged",
-        "Light between surfaces under lamps that move: converged, or voxels[:size=64,cones=6,bounces=4,updates=10], "
-        "a grid that all views share.",
+        "Indirect light under lamps that move: converged, or voxels[:size=64,cones=6,bounces=4,updates=10].",
     )
     client_motion: str = _rendering(
         FORESEEN,
-        "What a client that draws knows of bodies, lamps and vertices that move: all of it beforehand, the last state "
-        "that arrived and its speed, or that state alone.",
+        "What a client that draws knows of motion: all of it, the state that arrived and its speed, or it alone.",
         valid=one_of(FORESEEN, EXTRAPOLATED, HELD),
         limits=f"{FORESEEN}, {EXTRAPOLATED} or {HELD}",
         study=PICTURE,
     )
     headset: str = option(
         "quest-3",
-        f"Headset that is emulated: {names_in('headsets', '*.toml')}, a .toml file, or SteamVR's .json; NAME:ipd=63 "
-        "sets millimetres between its pupils.",
+        f"Headset to emulate: {names_in('headsets', '*.toml')}, a .toml or SteamVR's .json; NAME:ipd=63 sets its IPD.",
         study=DISPLAY,
     )
     lens: str = option(
@@ -360,8 +337,7 @@ class PipelineOptions(Declared):
     rendered_size: tuple[int, int] | None = None  # in place of the guard: of recorded frames, see Source.fitted
     fovea_deg: float | None = _rendering(
         None,
-        "Degrees across that are sharp in frames, where the eye looks, or straight ahead if the trace has no gaze; the "
-        "rest is coarser. By default all is sharp.",
+        "Degrees that are sharp around the gaze (straight ahead in a trace without); by default all is sharp.",
         name="fovea",
         valid=Number(above=True, most=179),
     )
@@ -375,9 +351,7 @@ class PipelineOptions(Declared):
         0.0, "Milliseconds that the display takes from its first row to its last.", valid=Number(most=100)
     )
     follow_scanout: bool = _displayed(
-        True,
-        "Warp each row for its own instant, where the warp can, or all for the middle one.",
-        off="--no-follow-scanout",
+        True, "Warp each row for its own instant, where the warp can.", off="--no-follow-scanout"
     )
     network: LinkOptions = group(LinkOptions)
     coding: Coding = group(Coding)
@@ -408,34 +382,28 @@ class PipelineOptions(Declared):
         """Yield each thing that cannot be: whether it is so, and the message."""
         is_auto, is_foveated = self.warp == AUTO, self.fovea_deg is not None
         changes = self.network.send == CHANGES
-        if self.source_kind is REMOTE:
+        if self.source_kind.is_timed:
             yield self.frames is not None, "--connect with --frames: frames come from one of them; leave the other out"
             yield self.network.response == SUM, "--connect with --response: the server's times are real; leave it out"
             yield self.proxy.on or is_auto, "--connect with --proxy or --warp auto: not supported, leave them out"
-        if self.source_kind is RECORDING:
-            asked = {
-                "guard auto": self.guard == AUTO,
-                f"predict {self.predict}": self.predict != "none",
-                f"lens {self.lens}": self.lens not in ("none", AUTO),
-                "proxy": self.proxy.on,
-                f"scanout {self.scanout_ms:g} ms": self.scanout_ms > 0,
-                "warp auto": is_auto,
-                f"fovea {self.fovea_deg or 0:g}": is_foveated,
-            }
-            for text, is_set in asked.items():
-                yield is_set, f"--{text} with --frames: {_SET_BY_FRAMES}"
+        for text, is_set in {
+            "guard auto": self.guard == AUTO,
+            f"predict {self.predict}": self.predict != "none",
+            f"lens {self.lens}": self.lens not in ("none", AUTO),
+            "proxy": self.proxy.on,
+            f"scanout {self.scanout_ms:g} ms": self.scanout_ms > 0,
+            "warp auto": is_auto,
+            f"fovea {self.fovea_deg or 0:g}": is_foveated,
+        }.items():
+            yield self.source_kind is RECORDING and is_set, f"--{text} with --frames: {_SET_BY_FRAMES}"
         is_said = self.rim != attrs.fields(type(self)).rim.default
         yield is_said and not is_foveated, f"--rim {self.rim}: frames are as sharp everywhere; it is for --fovea"
         yield is_foveated and changes, "--fovea with --send changes: eyes move where nothing else does; leave one out"
         sets = options_of_strategy(self.strategy) if self.strategy else {}
-        values = {"warp": self.warp, "fill": self.fill, "effects": self.effects, "proxy": self.proxy.on}
-        values["indirect"] = self.indirect
-        for name in sorted(sets.keys() & values.keys()):
-            yield (
-                values[name] != sets[name],
-                f"strategy '{self.strategy}' with {name} '{values[name]}': it sets {name} to '{sets[name]}'; "
-                f"{type(self).__name__}.of({{'strategy': ..}}) does so",
-            )
+        for name in sorted(sets.keys() & {"warp", "fill", "effects", "indirect", "proxy"}):
+            own = self.proxy.on if name == "proxy" else getattr(self, name)
+            how = f"it sets {name} to '{sets[name]}'; {type(self).__name__}.of({{'strategy': ..}}) does so"
+            yield own != sets[name], f"strategy '{self.strategy}' with {name} '{own}': {how}"
         yield self.proxy.on and is_auto, "--proxy with --warp auto: name what the client does, none or rotation"
         yield self.proxy.on and changes, "--proxy with --send changes: its picture always changes; leave one out"
         yield is_auto and self.budget_ms is None, "--warp auto chooses what fits into a budget: add --budget MS"
@@ -476,6 +444,8 @@ class PipelineOptions(Declared):
     @property
     def source_kind(self) -> SourceKind:
         """What gives the frames, as far as it is known before it is opened."""
+        if address := getattr(self, "feed", _NO_FEED).connect:
+            return SERVED if self.scene in (SERVER_SCENE, address) else REMOTE
         return RECORDING if self.frames is not None else PROXY if self.proxy.on else SCENE
 
     @property
@@ -511,24 +481,17 @@ class PipelineOptions(Declared):
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader of the results must know of the options, one sentence each."""
-        told, found = f"The latency of {self.latency_ms:g} ms is", []
-        if self.proxy.on:
-            found.append(
-                f"{told} that from the proxy to the client: {self.total_latency_ms:g} ms from the server. {self.proxy}."
-            )
-        if self.light_note:
-            found.append(self.light_note)
-        if self.fovea is not None:
-            found.append(
-                f"Frames are coarser away from the gaze that is known when they are drawn: {self.fovea}; it is "
-                "straight ahead where the head's motion has no gaze."
-            )
-        if self.network.response == SUM:
-            found.append(
-                f"{told} the network's alone: rendering, encoding, queue, size over bandwidth and decoding come on top "
-                "(response sum)."
-            )
-        return tuple(found)
+        told = f"The latency of {self.latency_ms:g} ms is"
+        total = f"{self.total_latency_ms:g} ms from the server. {self.proxy}."
+        on_top = "rendering, encoding, queue, size over bandwidth and decoding come on top (response sum)."
+        coarser = f"Frames are coarser away from the gaze, which is straight ahead in a trace without: {self.fovea}."
+        known = {
+            f"{told} that from the proxy to the client: {total}": self.proxy.on,
+            self.light_note: bool(self.light_note),
+            coarser: self.fovea is not None,
+            f"{told} the network's alone: {on_top}": self.network.response == SUM,
+        }
+        return tuple(text for text, is_so in known.items() if is_so)
 
     @property
     def light_note(self) -> str:
@@ -544,35 +507,21 @@ class PipelineOptions(Declared):
     def to_proxy(self) -> Self:
         """Return the options of the way to the proxy, where pictures end without a lens."""
         proxy = self.proxy
-        return attrs.evolve(
-            self,
-            strategy="",
-            client="",
-            warp=proxy.warp,
-            fill=proxy.fill,
-            guard=proxy.guard,
-            rendered_size=None,
-            lens="none",
-            fused=False,
-            scanout_ms=0.0,
-            latency_ms=proxy.latency_ms,
-            network=proxy.link(self.network),
-            coding=Coding(proxy.codec),
-            proxy=ProxyOptions(),
-        )
+        own = {name: getattr(proxy, name) for name in ("warp", "fill", "guard", "latency_ms")}
+        own |= {"network": proxy.link(self.network), "coding": Coding(proxy.codec), "proxy": ProxyOptions()}
+        own |= {"strategy": "", "client": "", "rendered_size": None, "lens": "none", "fused": False, "scanout_ms": 0.0}
+        return attrs.evolve(self, **own)
 
     def over(self, latency_ms: float, network: LinkOptions, coding: Coding) -> Self:
         """Return the options over a link that others share; what they set of it themselves stays.
 
         latency_ms: of the whole way, on which a proxy stands where there is one.
         """
-        proxy = self.proxy
-        if proxy.on:  # which divides the way as by default
-            proxy = attrs.evolve(proxy, latency_ms=_BEFORE * latency_ms)
+        before_ms = 0.75 * latency_ms if self.proxy.on else 0.0  # the proxy's part, as by default
         return attrs.evolve(
             self,
-            latency_ms=latency_ms - (proxy.latency_ms if proxy.on else 0.0),
-            proxy=proxy,
+            latency_ms=latency_ms - before_ms,
+            proxy=attrs.evolve(self.proxy, latency_ms=before_ms) if self.proxy.on else self.proxy,
             network=_beside(network, self.network),
             coding=_beside(coding, self.coding),
         )
@@ -587,7 +536,6 @@ def refuse_without_frames(facts: SequenceOptions, repair: str) -> None:
 
 def _beside(shared: Any, own: Any) -> Any:
     """Return the shared group of options, with those of the own one that are not as usual."""
-    usual = type(own)()
-    names = [field.name for field in attrs.fields(type(own))]
-    sets = {name: value for name in names if (value := getattr(own, name)) != getattr(usual, name)}
+    usual = attrs.asdict(type(own)(), recurse=False)
+    sets = {name: value for name, value in attrs.asdict(own, recurse=False).items() if value != usual[name]}
     return attrs.evolve(shared, **sets)

@@ -22,13 +22,14 @@ from ..gpu.timers import Laps
 from ..link.codec import codecs
 from ..metrics import middle_and_tail
 from ..poses import PoseSample
-from ..sources.feed.options import FeedOptions
+from ..sources import sequences
+from ..sources.repairs import parse_repairs
 from ..sources.server import Renderer
 from ..sources.server.draw import MIRRORS
 from . import sizes
 from .channel import Channel, Coder, Way
 from .loop import Loop, Refresh
-from .options import PROXY, RECORDING, REMOTE, PipelineOptions
+from .options import PROXY, PipelineOptions
 from .recorded_source import RecordingSource
 from .remote import RemoteSource
 from .source import FrameSource, PoseRequest, ServerFrames, Source, Target, client_scene, joined
@@ -44,15 +45,14 @@ class KnownHead:
     head: PoseSample | None = None
 
     def start(self) -> None:
-        """Do nothing."""
+        """Do nothing, as closing does."""
+
+    close = start
 
     def head_at(self, time_ns: int) -> PoseSample:
         """Return that head."""
         assert self.head is not None, "a proxy is asked for a head before it shows one"
         return self.head
-
-    def close(self) -> None:
-        """Do nothing."""
 
 
 @attrs.frozen(eq=False)
@@ -146,12 +146,8 @@ class Proxy(FrameSource):
             return
         self._age_ms.append(last.age_ns * 1e-6)
         for stages in last.stage_ms:
-            took: defaultdict[str, float] = defaultdict(float)
-            for name, milliseconds in stages:
-                took[name] += milliseconds
-            took["total"] = sum(took.values())
-            for name, milliseconds in took.items():
-                self._stage_ms[name].append(milliseconds)
+            for name in (*dict(stages), "total"):
+                self._stage_ms[name].append(sum(took_ms for stage, took_ms in stages if name in (stage, "total")))
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
         """Return the `proxy` of the link in summary.json: the first link, and the work for one eye.
@@ -222,11 +218,11 @@ def source_of(options: PipelineOptions) -> Source:
     Errors: as check_names; as sequences.open, for recorded frames.
     """
     check_names(options)
-    if options.source_kind is RECORDING:
-        return RecordingSource.opened(options)
-    if options.source_kind is REMOTE:
-        feed = getattr(options, "feed", FeedOptions())
-        return RemoteSource(options, feed, draws_truth=options.draws_truth)
+    if options.frames is not None:
+        sequence = sequences.open(options.frames, options.sequence_options).repaired(parse_repairs(options.repair))
+        return RecordingSource(sequence, options.guard_factors, options.eye_distance_mm)
+    if options.source_kind.is_timed:
+        return RemoteSource(options)
     return _ProxySource(options) if options.source_kind is PROXY else Source(options)
 
 

@@ -6,24 +6,24 @@ import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence as Several
 from functools import cached_property, lru_cache
-from typing import Any, Self
+from typing import Any
 
 import attrs
 import numpy as np
 
 from ..base import InputError
-from ..frames import EyeImage, Frame, Needs
+from ..frames import EyeImage, Frame
 from ..geometry import Fov, Guard, GuardBand, Pose, View, guarded_eyes, inverse_depth_from_metres
 from ..gpu import Gpu
 from ..headsets import Headset, camera_display
-from ..poses import LoadedTrace, Origin, PoseSample, PoseTrack
+from ..poses import LoadedTrace, Origin, PoseSample
 from ..poses.assumptions import unstated
 from ..poses.quaternions import multiply, rotate
 from ..poses.track import Moment
 from ..scenes import Scene
 from ..sources import sequences
 from ..sources.array_passes import SRGB8, Arrays, Scaling
-from ..sources.repairs import RepairChain, parse_repairs
+from ..sources.repairs import RepairChain
 from ..sources.sequences import RecordedFrame, Sequence
 from ..sources.server import Renderer, Target
 from .options import RECORDING, PipelineOptions
@@ -82,15 +82,7 @@ class RecordedRenderer(Renderer):
         return self._image(self.nearest_to(self._moment_of(time_ns).since_ns), view.fov, size, into)
 
     def draw_frame(
-        self,
-        views: Several[View],
-        drawn_ns: int,
-        size: Size,
-        guard: Guard = 1.0,
-        needs: Needs | None = None,
-        shown_size: Size | None = None,
-        age_ns: int = 0,
-        pictures: bool | None = True,
+        self, views: Several[View], drawn_ns: int, size: Size, guard: Guard = 1.0, *_: object, **__: object
     ) -> Frame:
         """Return the last frame that was taken by now, all of it, always with its picture."""
         moment, rendered = self._moment_of(drawn_ns), guarded_eyes(views, guard, size)[1]
@@ -185,17 +177,36 @@ class RecordingSource(Source):
             "noise_floor_db": sequence.noise_floor_db,
         }
 
-    @classmethod
-    def opened(cls, options: PipelineOptions) -> Self:
-        """Return the recorded frames that the options name. Errors: as sequences.open."""
-        assert options.frames is not None
-        sequence = sequences.open(options.frames, options.sequence_options).repaired(parse_repairs(options.repair))
-        return cls(sequence, options.guard_factors, options.eye_distance_mm)
-
     @cached_property
     def headset(self) -> Headset:
-        """The camera's display. Errors: as display_of."""
-        return display_of(self.sequence, self._guard, self._eye_distance_mm * 1e-3)
+        """A display that shows what the camera sees, or the middle of it that the guard leaves.
+
+        Errors: InputError for frames of several fields of view, and for a guard that leaves next to
+        nothing.
+        """
+        sequence, guard, first = self.sequence, self._guard, self.sequence.frames[0]
+        for frame in sequence.frames:
+            if np.abs(np.subtract(frame.fov.tangents, first.fov.tangents)).max() > _SAME_FOV:
+                raise InputError(
+                    f"{sequence.path}: {first.name} and {frame.name} have different fields of view: expected one for "
+                    "all, as the display has; replay those of each camera by themselves"
+                )
+        kept, sides, axes = [], [], first.fov.tangents.reshape(2, 2)
+        for (low, high), pixels, factor in zip(axes, first.size, (guard.x, guard.y), strict=True):
+            left = round(pixels / factor)
+            if left < min(LEAST_SHOWN, pixels):
+                raise InputError(
+                    f"{guard} leaves {left} of the {pixels} recorded pixels on one axis: expected at least "
+                    f"{LEAST_SHOWN}; use a smaller guard"
+                )
+            # As much to either side of the camera's axis as the guard band says, in whole pixels.
+            before, per_pixel = round((pixels - left) * abs(low) / (abs(low) + abs(high))), (high - low) / pixels
+            kept.append(left)
+            sides += [low + before * per_pixel, low + (before + left) * per_pixel]
+        size, hidden = (kept[0], kept[1]), first.hidden.polygons if first.hidden is not None else ()
+        fov = first.fov if size == first.size else Fov.from_tangents(sides)
+        rate_hz, right_m = sequence.rate_hz or 1.0, self._eye_distance_mm * 1e-3
+        return camera_display(str(sequence.path), fov, size, rate_hz, right_m, hidden)
 
     @cached_property
     def notes(self) -> list[str]:
@@ -218,7 +229,7 @@ class RecordingSource(Source):
         (wide, high), (across, down) = sequence.frames[0].size, _degrees(sequence.frames[0].fov)
         shown = "All of it is shown: there is no guard band."
         if guard != GuardBand():
-            part = "{:.1f} x {:.1f} degrees".format(*_degrees(display_of(sequence, guard).eyes[0].fov))
+            part = "{:.1f} x {:.1f} degrees".format(*_degrees(self.headset.eyes[0].fov))
             shown = f"The middle of it is shown, {part}; the rest is a guard band of {guard.text}."
         eyes = "One eye is shown, the camera's."
         if right_mm := self._eye_distance_mm:
@@ -243,62 +254,27 @@ class RecordingSource(Source):
 
     def head(self, trace: LoadedTrace | None) -> LoadedTrace:
         """Return the recording's own motion, or a head that begins where the camera does."""
-        sequence = self.sequence
+        sequence, start = self.sequence, self.sequence.frames[0].pose
         if trace is None:
             return LoadedTrace(sequence.track, sequence.path, sequence.layout, [], [], "", "", axes_assumed=False)
-        track, start = trace.track, sequence.frames[0].pose
-        turn, first = start @ Pose((0, 0, 0), track.orientation_xyzw[0]).inverse(), track.position_m[0]
-        kept = track.time_ns - track.start_ns <= sequence.frames[-1].time_ns  # it ends where the recording does
-        turned = np.array(turn.orientation_xyzw)
-        moved = PoseTrack(
-            track.time_ns[kept] - track.start_ns,
-            start.position_m + rotate(turned, track.position_m[kept] - first),
-            multiply(turned, track.orientation_xyzw[kept]),
-            name=track.name,
-            origin=track.origin,
-            axes=track.axes,
+        track = trace.track
+        turned = np.array((start @ Pose((0, 0, 0), track.orientation_xyzw[0]).inverse()).orientation_xyzw)
+        # It ends where the recording does.
+        end = int(np.searchsorted(track.time_ns, track.start_ns + sequence.frames[-1].time_ns, side="right"))
+        moved = track.evolve(
+            time_ns=track.time_ns[:end] - track.start_ns,
+            position_m=start.position_m + rotate(turned, track.position_m[:end] - track.position_m[0]),
+            orientation_xyzw=multiply(turned, track.orientation_xyzw[:end]),
             epoch_ns=track.epoch_ns + track.start_ns,
             max_gap_ns=track.max_gap_ns,
-            gaze=None if track.gaze is None else track.gaze[kept],
+            jumps=[at for at in track.jumps if at < end - 1],
+            gaze=None if track.gaze is None else track.gaze[:end],
         )
         return attrs.evolve(trace, track=moved)
 
     def renderer(self, gpu: Gpu, options: PipelineOptions, moment_of: MomentOf = Moment) -> RecordedRenderer:
         """Return what gives the frames; mirrors and edges are as they were recorded."""
         return RecordedRenderer(gpu, self.scene, self.sequence, moment_of)
-
-
-def display_of(sequence: Sequence, guard: GuardBand | None = None, eye_distance_m: float = 0.0) -> Headset:
-    """Return a display that shows what the camera sees.
-
-    guard: shows the middle of it alone, so that the rest is a guard band. eye_distance_m: how far a
-    right eye sits beside the camera; 0 for none.
-    Errors: InputError for frames of several fields of view, and for a guard that leaves next to
-    nothing.
-    """
-    first = sequence.frames[0]
-    for frame in sequence.frames:
-        if np.abs(np.subtract(frame.fov.tangents, first.fov.tangents)).max() > _SAME_FOV:
-            raise InputError(
-                f"{sequence.path}: {first.name} and {frame.name} have different fields of view: expected one for all, "
-                "as the display has; replay those of each camera by themselves"
-            )
-    guard, tangents, kept, sides = guard or GuardBand(), first.fov.tangents, [], []
-    for (low, high), pixels, factor in zip(tangents.reshape(2, 2), first.size, (guard.x, guard.y), strict=True):
-        left = round(pixels / factor)
-        if left < min(LEAST_SHOWN, pixels):
-            raise InputError(
-                f"{guard} leaves {left} of the {pixels} recorded pixels on one axis: expected at least {LEAST_SHOWN}; "
-                "use a smaller guard"
-            )
-        # As much to either side of the camera's axis as the guard band says, in whole pixels.
-        before, per_pixel = round((pixels - left) * abs(low) / (abs(low) + abs(high))), (high - low) / pixels
-        kept.append(left)
-        sides += [low + before * per_pixel, low + (before + left) * per_pixel]
-    size = (kept[0], kept[1])
-    fov = first.fov if size == first.size else Fov.from_tangents(sides)
-    hidden = first.hidden.polygons if first.hidden is not None else ()
-    return camera_display(str(sequence.path), fov, size, sequence.rate_hz or 1.0, eye_distance_m, hidden)
 
 
 def _degrees(fov: Fov) -> tuple[float, float]:

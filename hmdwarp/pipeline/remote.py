@@ -18,7 +18,6 @@ import attrs
 import numpy as np
 
 from ..base import HmdwarpError, InputError, MachineError, counted
-from ..client import Plan
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import PICTURE, layers
 from ..frames.layers.pictures import FoveatedPicture
@@ -37,18 +36,20 @@ from ..sources.feed.parts import length_of as part_bytes
 from ..sources.server import Renderer, Target
 from . import feed_coding
 from .channel import Channel, Reads, Way
+from .feed_coding import depth_error
 from .options import REMOTE, SERVER_SCENE, PipelineOptions
 from .source import FrameSource, MomentOf, Options, PoseRequest, Source, nothing
 from .source import Target as Shown
 
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
 _TRIALS = 6
-_ANSWER_NS = 30_000_000_000
+_ANSWER_NS, _AGAIN_NS = 30_000_000_000, 1_000_000_000
 _TELL_NS = 1_500_000_000
 # Kinds of frames that are left out, each with a line.
 _MOST_TOLD = 20
 # Requests that may be without an answer; what is older is never answered.
 _MOST_PENDING = 4096
+Size = tuple[int, int]
 _NO_PICTURE = (1, 1)  # asked for where nothing reads the eyes' pictures: a frame always has some
 
 
@@ -61,20 +62,12 @@ class Request:
     drawn_ns: int  # on the loop's clock
     sent_ns: int  # on this machine's
     # (w, h) of one eye's picture as it comes: smaller than asked for where it is foveated.
-    size: tuple[int, int]
+    size: Size
     acted: range  # which inputs it told the server
     # As it came, how long after the request the loop had it, and what was made of it.
     message: FrameMessage | None = None
     took_ns: int = 0
     frame: Frame | None = None
-
-    @property
-    def is_key(self) -> bool:
-        """Whether its frame can be decoded without those before it."""
-        came = self.message
-        assert came is not None
-        codes_video = feed_coding.codes_video
-        return came.begins or not (codes_video(came.colour) or codes_video(came.depth, of_depth=True))
 
 
 class Remote:
@@ -91,6 +84,7 @@ class Remote:
     ) -> None:
         self._caller = Caller(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
         self.keeps, self._holds, self._say = keeps, holds, say
+        self.added_ns = round(feed.added_latency_ms * 1e6)  # emulated latency behind the real network's
         self._number = 0
         self._pending: dict[int, Request] = {}
         self._heard_ns = time.monotonic_ns()
@@ -125,13 +119,7 @@ class Remote:
         self.needs_key: Callable[[int], bool] = lambda now_ns: False
 
     def ask(
-        self,
-        head: PoseSample,
-        views: Sequence[View],
-        guard: Guard,
-        size: tuple[int, int],
-        now_ns: int,
-        needs: Needs | None = None,
+        self, head: PoseSample, views: Sequence[View], guard: Guard, size: Size, now_ns: int, needs: Needs | None = None
     ) -> None:
         """Ask for a frame of these eyes at that instant of the loop's clock, with needed layers."""
         fovs, grown = guarded_eyes(views, guard, size)
@@ -143,11 +131,9 @@ class Remote:
             wide = tuple(attrs.evolve(view, hidden=None) for view in wide)
         self._number += 1
         # Requested once, and again only if that request will have no answer.
-        anew = self._decoder.wants_anew or self.needs_key(now_ns)
-        anew = anew and self._anew_number not in self._pending
+        anew = (self._decoder.wants_anew or self.needs_key(now_ns)) and self._anew_number not in self._pending
         if anew:
             self._anew_number = self._number
-        wanted = feed_coding.wanted_of(rest, views, size)
         times = (self._number, 0, self.scene_ns(now_ns), self.scene_ns(head.time_ns), 0)
         session = None
         if self._takes_session:  # with the fates heard of by now
@@ -158,12 +144,11 @@ class Remote:
         if self.takes_inputs:
             until = bisect_right(self._acted, times[2], key=lambda event: event.time_ns)
             acted = min(until, known + message.MOST_INPUTS)
-        more: dict[str, Any] = {"wanted": wanted, "session": session, "fovea": fovea, "anew": anew}
-        left_out = {
-            kind: message.NONE for kind, name in zip(("colour", "depth"), PICTURE, strict=True) if name not in read
-        }
-        wish, inputs = attrs.evolve(self.wish, **left_out), tuple(self._acted[known:acted])
-        ask = Ask(*times, grown, head.pose, wide, wish=wish, inputs=inputs, **more)
+        kinds = zip(("colour", "depth"), PICTURE, strict=True)
+        left_out = {kind: message.NONE for kind, name in kinds if name not in read}
+        more: dict[str, Any] = {"wish": attrs.evolve(self.wish, **left_out), "inputs": tuple(self._acted[known:acted])}
+        more |= {"wanted": feed_coding.wanted_of(rest, views, size), "session": session, "fovea": fovea, "anew": anew}
+        ask = Ask(*times, grown, head.pose, wide, **more)
         small = grown if fovea is None else fovea.grid(wide[0], grown).small
         told = range(known, acted)
         self._pending[self._number] = Request(ask, head, now_ns, self._caller.ask(ask), small, told)
@@ -201,15 +186,34 @@ class Remote:
             self._known_inputs = max(self._known_inputs, request.acted.stop)
         return request
 
-    def measure(
-        self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs
-    ) -> int:
+    def measure(self, head: PoseSample, views: Sequence[View], guard: Guard, size: Size, needs: Needs) -> int:
         """Return the longest time in ns from a request to its frame, of a few.
 
         Errors: InputError where the server refuses, or sends no needed layer; MachineError where
         nothing answers.
         """
-        took = [self._trial(head, views, guard, size, needs) for _ in range(_TRIALS)]
+        place, took, again_ns = f"--connect {self._caller.address}", list[int](), 0
+        until_ns = time.monotonic_ns() + _ANSWER_NS
+        while len(took) < _TRIALS:
+            if (now_ns := time.monotonic_ns()) >= until_ns:
+                remedy = "start 'hmdwarp serve' there, check the address, and read what it has printed"
+                raise MachineError(f"{place}: no frame in {_ANSWER_NS // 10**9} s: {remedy}")
+            if now_ns >= again_ns:  # also after a while: there may have been no connection
+                self.ask(head, views, guard, size, head.time_ns, needs)
+                again_ns = now_ns + _AGAIN_NS
+            self._caller.wait_until(min(again_ns, until_ns))
+            for line in self._caller.lines():
+                if "refused" in line:
+                    raise InputError(f"--connect {line}")
+                self._say(line)
+            answered = next((one for one in self._known() if self.decoded(one) is not None), None)
+            if answered is None and self._misfit:
+                raise InputError(f"{place}: {self._misfit}: use --effects none, or another warp or fill")
+            if answered is not None and feed_coding.fovea_of(needs)[0] is not None and not self._takes_fovea:
+                raise InputError(f"{place} --fovea: that server sends whole frames alone; leave it out")
+            if answered is not None:
+                took.append(answered.took_ns)
+                again_ns, until_ns = 0, time.monotonic_ns() + _ANSWER_NS
         self.forget()
         self.delays_ns.clear()
         self.unanswered = 0
@@ -222,28 +226,6 @@ class Remote:
         self._fates.clear()
         self._session += 1
         self.unchanged = self._known_inputs = 0
-
-    def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs) -> int:
-        until_ns, place = time.monotonic_ns() + _ANSWER_NS, f"--connect {self._caller.address}"
-        while (now_ns := time.monotonic_ns()) < until_ns:
-            self.ask(head, views, guard, size, head.time_ns, needs)
-            # Requested again after a while: there may have been no connection.
-            again_ns = min(until_ns, now_ns + 1_000_000_000)
-            while time.monotonic_ns() < again_ns:
-                self._caller.wait_until(again_ns)
-                for line in self._caller.lines():
-                    if "refused" in line:
-                        raise InputError(f"--connect {line}")
-                    self._say(line)
-                for request in self._known():
-                    if self.decoded(request) is not None:
-                        if feed_coding.fovea_of(needs)[0] is not None and not self._takes_fovea:
-                            raise InputError(f"{place} --fovea: that server sends whole frames alone; leave it out")
-                        return request.took_ns
-                if self._misfit:
-                    raise InputError(f"{place}: {self._misfit}: use --effects none, or another warp or fill")
-        remedy = "start 'hmdwarp serve' there, check the address, and read what it has printed"
-        raise MachineError(f"{place}: no frame in {_ANSWER_NS // 10**9} s: {remedy}")
 
     def pace(self, now_ns: int) -> None:
         """Wait so that refreshes come no faster than on the display, where the loop holds."""
@@ -320,7 +302,7 @@ class Remote:
                 # It came in just before a refresh that was shown without it: handed over after.
                 request.took_ns = max(request.took_ns, self._told_ns + 1 - request.drawn_ns)
             found.append(request)
-            if request.is_key:  # until it turns out that it is damaged
+            if feed_coding.stands_alone(frame):  # until it turns out that it is damaged
                 self._decoder.wants_anew = False
         return found
 
@@ -387,12 +369,9 @@ def is_another_view(asked: View, drawn: View) -> bool:
     """Return whether a view was drawn from elsewhere, or lacks some of the requested one."""
     left, right, down, up = (asked.fov.tangents - drawn.fov.tangents) * (-1, 1, -1, 1)
     across, high = np.diff(asked.fov.tangents)[[0, 2]]
-    return bool(
-        math.degrees(drawn.pose.angle_to(asked.pose)) > _SAME_DEG
-        or np.abs(drawn.pose.position_m - asked.pose.position_m).max() > _SAME_M
-        or max(left, right) > _SAME_SHARE * across
-        or max(down, up) > _SAME_SHARE * high
-    )
+    lacks = max(left, right) > _SAME_SHARE * across or max(down, up) > _SAME_SHARE * high
+    is_elsewhere = np.abs(drawn.pose.position_m - asked.pose.position_m).max() > _SAME_M
+    return bool(lacks or is_elsewhere or math.degrees(drawn.pose.angle_to(asked.pose)) > _SAME_DEG)
 
 
 class NoTruth(HmdwarpError):
@@ -403,41 +382,26 @@ class RemoteSource(Source):
     """Frames that a server elsewhere draws.
 
     The scene is here as well if the options name it, for passes and for the truth, which the server
-    draws otherwise. draws_truth: False for a run that has none.
+    draws otherwise.
     """
 
     kind = REMOTE
 
-    def __init__(self, options: PipelineOptions, feed: FeedOptions, *, draws_truth: bool) -> None:
+    def __init__(self, options: Any) -> None:
+        feed: FeedOptions = options.feed
+        self.feed, self._draws_truth = feed, options.draws_truth
         self._is_here = options.scene != SERVER_SCENE
-        elsewhere = nothing(SERVER_SCENE, f"drawn by {feed.connect}")
-        super().__init__(options, None if self._is_here else elsewhere)
+        super().__init__(options, None if self._is_here else nothing(SERVER_SCENE, f"drawn by {feed.connect}"))
         if feed.raw != FULL and options.coding.codec != "none":
-            raise InputError(
-                f"--raw {feed.raw} beside --codec {options.coding.codec}: coded frames are not raw; leave one out"
-            )
-        self.feed, self._draws_truth = feed, draws_truth
-        self._added_ns = round(feed.added_latency_ms * 1e6)
+            raise InputError(f"--raw {feed.raw} beside --codec {options.coding.codec}: leave one of them out")
         try:
-            options.network.delay.check(self._added_ns)
+            options.network.delay.check(round(feed.added_latency_ms * 1e6))
         except InputError as error:
             raise InputError(f"--added-latency {feed.added_latency_ms:g} ms: {error}") from error
 
     def fitted(self, options: Options) -> Options:
         """Return the options with the server in place of a scene, where there is none here."""
         return options if self._draws_truth or self._is_here else attrs.evolve(options, scene=self.feed.connect)
-
-    def check(self, plans: Sequence[Plan], needs: Needs, eyes: int = 2) -> None:
-        """Check that plans get by with what frames of another process have. Errors: InputError."""
-        super().check(plans, needs, eyes)
-        steps = [step for plan in plans for step in plan.steps]
-        if not self._is_here and any(
-            name.startswith("client.") for step in steps for name in (*step.reads, *step.writes)
-        ):
-            raise InputError(
-                "--connect: the client draws some of the scene for this warp or fill, and the scene is at the server: "
-                "use another one, or name that scene by --scene, too"
-            )
 
     def measured(self, options: Options, **first: Any) -> Options:
         """Connect, send what people do, and return the options with the measured latency.
@@ -450,7 +414,7 @@ class RemoteSource(Source):
         remote.pictures, head, views, rate_hz = first["pictures"], first["head"], first["views"], first["rate_hz"]
         wanted = (message.RAW[self.feed.raw], options.coding, rate_hz, views, options.size)
         remote.wish = feed_coding.wish_of(*wanted, options.latency_ms * 1e-3)
-        longest_ns = remote.measure(head, views, options.guard_band, options.size, first["needs"]) + self._added_ns
+        longest_ns = remote.measure(head, views, options.guard_band, options.size, first["needs"]) + remote.added_ns
         remote.wish = feed_coding.wish_of(*wanted, longest_ns * 1e-9 + 1 / rate_hz)
         if self.scene.inputs is not None:
             remote.act(self.scene.inputs)
@@ -474,7 +438,7 @@ class RemoteSource(Source):
         assert remote is not None, "measured() connects"
         remote.pictures = requested.pictures
         remote.only_changes = options.network.send == CHANGES
-        return RemoteFrames(remote, server, requested, target.eyes, self._added_ns)
+        return RemoteFrames(remote, server, requested, target.eyes)
 
     def renderer(self, gpu: Gpu, options: PipelineOptions, moment_of: MomentOf = Moment) -> Renderer:
         """Return what draws the truth, and has textures for the frames."""
@@ -501,7 +465,7 @@ class RemoteRenderer(Renderer):
         self._viewer = Viewer(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
         self._draws_others = False
 
-    def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
+    def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
         """Return what the server draws for the view. Errors: NoTruth where it draws nothing."""
         found = self._viewer.fetch(view, size, time_ns)
         if found is None:
@@ -539,7 +503,6 @@ class RemoteFrames(FrameSource):
     server: Renderer
     requested: PoseRequest
     eyes: Eyes
-    added_ns: int = 0  # emulated latency behind the real network's
 
     def draw(self, head: PoseSample, now_ns: int) -> None:
         """Ask for a frame for that head."""
@@ -559,14 +522,8 @@ class RemoteFrames(FrameSource):
             whole = frozenset(PICTURE) if ask.fovea else missing
             server.take_in(feed_coding.arrays_of(found, eye, target.size, whole), target)
             hidden = wanted.hidden if view.fov == wanted.fov else view.hidden
-            image = EyeImage(
-                attrs.evolve(view, hidden=hidden, gaze=wanted.gaze),
-                target.colour,
-                target.inverse_depth,
-                drawn_ns=request.drawn_ns,
-                depth_error=feed_coding.depth_error(found, self.remote.wish),
-                left_out=missing,
-            )
+            shown, error = attrs.evolve(view, hidden=hidden, gaze=wanted.gaze), depth_error(found, self.remote.wish)
+            image = EyeImage(shown, target.colour, target.inverse_depth, {}, request.drawn_ns, error, missing)
             if ask.fovea:  # foveated pictures came in place of whole ones
                 colour, depth = (server.acquire(found.size, kind, depth=False).colour for kind in (COLOUR, SCALAR))
                 server.take_in(feed_coding.arrays_of(found, eye, found.size, sent), Target(colour, depth))
@@ -590,32 +547,19 @@ class RemoteFrames(FrameSource):
 
 
 class _RemoteChannel(Channel):
-    """The channel of frames that arrive by the feed: what was measured of it, then the link.
-
-    The link emulates what its options say, behind the real network: frames are decoded as they
-    arrive over both, and those that it loses never are. The server hears of a frame's fate with the
-    next request.
-    """
+    """What was measured of the feed, then the emulated link: what that loses is never decoded."""
 
     def __init__(self, frames: RemoteFrames, way: Way, reads: Reads, offer: Any, tell: Any) -> None:
         self._remote, self._frames_of, self._tell = frames.remote, frames, tell
-        super().__init__(
-            frames.recycle,
-            (*way[:3], None),  # the server codes them
-            reads,
-            offer,
-            tell,
-            receive=self._receive,
-            decoding=lambda request: 0,
-            settled=self._settled,
-            in_order=feed_coding.codes_video(frames.remote.wish.colour),
-        )
+        how: dict[str, Any] = {"receive": self._receive, "decoding": lambda request: 0, "settled": self._settled}
+        how["in_order"] = frames.remote.wish.colour in feed_coding.CODECS
+        super().__init__(frames.recycle, (*way[:3], None), reads, offer, tell, **how)  # the server codes them
         self._shown: Request | None = None
         self._sent_ns = self._measured_ns = 0
         self._unanswered = self._remote.unanswered
         self._remote.forget()
         self._remote.needs_key = self.link.needs_key
-        self.link.delay_by(self._delays(way[0].delays(frames.added_ns)))
+        self.link.delay_by(self._delays(way[0].delays(frames.remote.added_ns)))
 
     def _delays(self, added: Iterator[int]) -> Iterator[int]:
         for added_ns in added:
@@ -652,7 +596,7 @@ class _RemoteChannel(Channel):
             self._frames, self._eyes = self._frames + 1, len(request.ask.views)
             self._bytes.update(+sizes)
             self._measured_ns, self._sent_ns = request.took_ns, request.drawn_ns
-            self.link.send(request, request.drawn_ns, sizes.total(), request.is_key)
+            self.link.send(request, request.drawn_ns, sizes.total(), feed_coding.stands_alone(came))
         self._shown = self.link.newest(now_ns)
         return self._shown.frame if self._shown is not None else None
 

@@ -35,8 +35,7 @@ def guarded_size(guard: Guard, eyes: Eyes, size: Size) -> Size:
     try:
         return guarded_eyes(eyes.views(Pose()), band, size)[1]
     except InputError as error:
-        name = getattr(eyes, "name", "")
-        of = f"headset '{name}'" if name else "these eyes"
+        of = f"headset '{name}'" if (name := getattr(eyes, "name", "")) else "these eyes"
         raise InputError(f"{band} on {of}: {error}; use a smaller one") from error
 
 
@@ -170,33 +169,26 @@ def plans_for(options: PipelineOptions, headset: Headset | None, scene: Scene | 
     if options.warp != AUTO:
         return [build_plan_for(options, headset, scene, **beyond)]
     chosen = [options.with_pair(level.warp, level.fill) for level in options.levels]
-    return [build_plan_for(run, headset, scene, shares_frames=True, **beyond) for run in chosen]
+    return [build_plan_for(run, headset, scene, in_turns=True, **beyond) for run in chosen]
 
 
 def build_plan_for(
-    options: PipelineOptions,
-    headset: Headset | None,
-    scene: Scene | None,
-    *,
-    shares_frames: bool = False,
-    **beyond: str,
+    options: PipelineOptions, headset: Headset | None, scene: Scene | None, *, in_turns: bool = False, **beyond: str
 ) -> Plan:
     """Return the plan of a run. Without a scene, only the names are checked.
 
-    headset: the one whose lens is corrected, or None. shares_frames: other warps take turns on the
+    headset: the one whose lens is corrected, or None. in_turns: other warps take turns on the
     same frames, which therefore have no whole picture for an imposter: it compensates what they do.
     beyond: distorts, takes_depth, takes_panels of build_plan.
     Errors: as build_plan; PlanError for a plan that the client cannot run, and for a warp that is
     not for the scene; InputError for a lens correction on a headset without a lens.
     """
     if options.lens != "none" and headset is not None and headset.lens is None:
-        raise InputError(
-            f"headset '{headset.name}' has no lens, so --lens {options.lens} cannot be applied: use --lens none"
-        )
+        raise InputError(f"headset '{headset.name}' has no lens for --lens {options.lens}: use --lens none")
     kind = options.source_kind
     how: dict[str, Any] = {"brings": kind.layers, "fused": options.fused}
-    selected: tuple[str, ...] = ()
     how["scanout"] = options.scanout_ms > 0 and options.follow_scanout
+    selected: tuple[str, ...] = ()
     if kind is PROXY:  # its picture is finished
         limits = "; a proxy sends the finished picture alone: show it by --warp none or rotation"
         how |= {"client_geometry": False, "distorts": beyond.get("distorts", "")}
@@ -206,7 +198,7 @@ def build_plan_for(
         selected = effects.selected(options.effects, called_for, scene if kind is not RECORDING else None)
         how |= {
             "client_geometry": kind.has_geometry,
-            "named": selected if shares_frames else effects.forced(options.effects),
+            "named": selected if in_turns else effects.forced(options.effects),
             "forced": {*selected} - {*called_for},
             "forbidden": {*called_for} - {*selected},
             "indirect": options.indirect,
@@ -224,9 +216,8 @@ def build_plan_for(
         plan = attrs.evolve(plan, left_out=tuple(left_out))
     for planned in plan.effect_passes:
         if kind.eyes < 2 and planned.needs.others.other_eye:
-            raise PlanError(
-                f"--effects {planned.effects[0].name} looks into the other eye's picture{kind.limits}: leave it out"
-            )
+            name = planned.effects[0].name
+            raise PlanError(f"--effects {name} looks into the other eye's picture{kind.limits}: leave it out")
     check_suited(scene, plan.choice, options.indirect)
     if options.client_name:
         check_client(plan, load_client(options.client_name))

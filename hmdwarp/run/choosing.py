@@ -23,7 +23,7 @@ from ..headsets import Headset, load_headset
 from ..link import LinkOptions
 from ..metrics import MeasuringThreads, QualityPool, worker_count
 from ..pipeline import PipelineOptions, Source, source_of
-from ..pipeline.levels import QualityLevel, Row, best_within, levels_from, read_rows
+from ..pipeline.governor import QualityLevel, Row, best_within, levels_from, read_rows
 from ..pipeline.sizes import build_plan_for, expected_age_ns, guarded_size
 from ..poses import PoseTrack, load_trace, predict
 from ..poses.quaternions import conjugate, rotate
@@ -261,7 +261,7 @@ def candidates(options: PipelineOptions, source: Source) -> list[Combination]:
     for warp, fill in product(every_warp(), FILLS):
         try:
             pair = options.with_pair(warp, fill)
-            found.append(Combination(warp, fill, build_plan_for(pair, headset, scene, shares_frames=True)))
+            found.append(Combination(warp, fill, build_plan_for(pair, headset, scene, in_turns=True)))
         except PlanError:
             continue
     return found

@@ -30,11 +30,9 @@ from ..base import (
 from ..link.codec import VIDEOS, Coding
 from ..pipeline.options import (
     DISPLAYED,
-    REMOTE,
     SERVER_SCENE,
     PipelineOptions,
     ProxyOptions,
-    SourceKind,
     refuse_without_frames,
     with_frames,
 )
@@ -125,11 +123,6 @@ class RunOptions(PipelineOptions):
             )
 
     @property
-    def source_kind(self) -> SourceKind:
-        """What gives the frames, as far as it is known before it is opened."""
-        return REMOTE if self.feed.connect else super().source_kind
-
-    @property
     def compared(self) -> tuple[tuple[str, str], ...]:
         """Warp and fill of each comparison, without the run's own."""
         asked = [text.strip().partition("+") for text in _BETWEEN.split(self.against) if text.strip()]
@@ -194,11 +187,6 @@ class LiveOptions(PipelineOptions):
     hang_s: float = _of_display(5.0, "Seconds of silence after which a runtime is given up.", valid=Number(least=0.1))
     feed: FeedOptions = group(FeedOptions)
     command: str = ""
-
-    @property
-    def source_kind(self) -> SourceKind:
-        """What gives the frames, as far as it is known before it is opened."""
-        return REMOTE if self.feed.connect else super().source_kind
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:

@@ -27,7 +27,7 @@ from ..link.codec import codecs
 from ..metrics import Alike, PairPass, QualityJob, QualityPool
 from ..pipeline import Changes, Channel, Coder, Loop, Reads, source_of
 from ..pipeline.governor import AdaptiveCompensator, Governor
-from ..pipeline.options import REMOTE, SERVER_SCENE, PipelineOptions
+from ..pipeline.options import SERVER_SCENE, PipelineOptions
 from ..pipeline.sizes import (
     check_held,
     expected_age_ns,
@@ -231,7 +231,7 @@ class Run(Generic[Options]):
                 governor = Governor(options.levels, options.budget_ms)
                 self.auto = AdaptiveCompensator(governor, dict(zip(options.levels, each, strict=True)))
                 self._made = [self.auto]
-            draws_changes = options.network.send == CHANGES and options.source_kind is not REMOTE
+            draws_changes = options.network.send == CHANGES and not options.source_kind.is_timed
             changes = Changes(source.scene, self.server.content) if draws_changes else None
             self.loop = Loop(requested, frames, self.channel, history, self.auto or each[0], target.eyes, changes)
             unfinished.pop_all()

@@ -10,7 +10,7 @@ from hmdwarp import Fov, Pose, View, Warper, warp_image
 from hmdwarp.client import parse_fills, parse_warp
 from hmdwarp.image import usable_fills, usable_warps
 from hmdwarp.image.usable import LEVELS
-from hmdwarp.pipeline.levels import QualityLevel
+from hmdwarp.pipeline.governor import QualityLevel
 
 SIZE = (48, 32)
 FOV = Fov.symmetric(1.2, 0.95)

@@ -15,7 +15,7 @@ from replays import each_refresh, run, small
 
 from hmdwarp.base import InputError, PlanError
 from hmdwarp.geometry import Pose
-from hmdwarp.gpu import Canvas, download
+from hmdwarp.gpu import download
 from hmdwarp.headsets import load_headset
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
@@ -74,15 +74,12 @@ def test_what_it_sends_is_drawn_for_the_clients_eyes_at_the_instant_of_the_reque
         assert str(wide.pose) == str(own.pose) and str(wide.head_from_eye) == str(own.head_from_eye)
         assert (wide.fov.tangents[[1, 3]] > own.fov.tangents[[1, 3]]).all()
     found: list[tuple[int, ...]] = []
-    each_refresh(
-        small(start_s=1.0, seconds=0.05, scene="planes", **proxied(50.0, 50.0)),
-        lambda setup, number, refresh: found.append(
-            (
-                refresh.shown_ns - refresh.frame.drawn_ns,
-                *(refresh.frame.drawn_ns - eye.drawn_ns for eye in refresh.frame.eyes),
-            )
-        ),
-    )
+
+    def look(setup, number, refresh) -> None:
+        drawn_ns = refresh.frame.drawn_ns
+        found.append((refresh.shown_ns - drawn_ns, *(drawn_ns - eye.drawn_ns for eye in refresh.frame.eyes)))
+
+    each_refresh(small(start_s=1.0, seconds=0.05, scene="planes", **proxied(50.0, 50.0)), look)
     assert found and set(found) == {(50 * MS, 0, 0)}
 
 
@@ -166,19 +163,6 @@ def test_a_predicted_head_is_that_of_the_instant_at_which_it_is_seen():
     each_refresh(small(trace="walk", seconds=0.2, **options), look)
     # Predicted over another time, it would miss by a third of the way or more.
     assert np.median(ahead[0]) < 0.3 and np.median(ahead[1]) < 0.3
-
-
-@pytest.mark.parametrize("loss", ["", "0.3"])
-def test_its_memory_is_bounded(monkeypatch, loss):
-    canvases, made = [], []
-    monkeypatch.setattr("hmdwarp.pipeline.proxy.Canvas", lambda *how: canvases.append(Canvas(*how)) or canvases[-1])
-    options = {**proxied(50.0, 50.0), "network": LinkOptions.of({"loss": loss, "link_seed": 2})}
-    each_refresh(
-        small(seconds=3.0, **{**options, "size": (16, 12)}),
-        lambda setup, number, refresh: made.append(len(canvases)),
-    )
-    # Three refreshes under way, one shown, one being made, for two eyes.
-    assert made[-1] == made[10] <= 2 * 5
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ from hmdwarp.client.classes import client_names, load_client
 from hmdwarp.display import Command
 from hmdwarp.headsets import load_headset
 from hmdwarp.pipeline import QualityLevel, build_plan_for, source_of
-from hmdwarp.pipeline.levels import read_rows
+from hmdwarp.pipeline.governor import read_rows
 from hmdwarp.poses import PoseTrack
 from hmdwarp.run import (
     LiveOptions,

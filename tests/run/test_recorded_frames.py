@@ -408,3 +408,9 @@ def test_the_server_gives_repaired_frames_and_truth_as_it_was_recorded(gaps, gpu
     assert (inverse > 0).all() and (download(truth.inverse_depth)[10:30, 15:45] == -1).all()
     assert np.array_equal(download(truth.colour), colour)  # a repair changes no colour
     server.close()
+
+
+def test_another_head_keeps_its_jumps_as_far_as_the_recording_lasts(folder):
+    loaded = load_trace("walk")
+    jumped = attrs.evolve(loaded, track=loaded.track.evolve(jumps=[3, len(loaded.track) - 2]))
+    assert RecordingSource(sequences.open(folder)).head(jumped).track.jumps == (3,)

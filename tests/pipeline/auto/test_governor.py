@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.base import HmdwarpError, InputError
 from hmdwarp.pipeline import QualityLevel
-from hmdwarp.pipeline.governor import BACK_OFF, PATIENCE, SETTLING, WINDOW, Governor
-from hmdwarp.pipeline.levels import best_within, levels_from
+from hmdwarp.pipeline.governor import BACK_OFF, PATIENCE, SETTLING, WINDOW, Governor, best_within, levels_from
 
 
 def row(warp: str, fill: str, total: float | None, flip: float | None, **case) -> dict:
@@ -47,27 +46,39 @@ def test_the_ladder_is_the_pareto_front(points, shuffler):
     assert levels_from(rows) == front
 
 
-def test_figures_are_means_over_the_cases_all_have():
-    rows = [
-        *(
-            row("a", "none", time, flip, latency_ms=at)
-            for time, flip, at in ((4.0, 0.2, 200.0), (6.0, 0.4, 400.0), (500.0, 0.9, 800.0))
+OURS, LARGE = {"machine": {"host": "ours"}}, {"size": [1280, 800]}
+
+
+@pytest.mark.parametrize(
+    ("rows", "levels"),
+    [
+        (  # means over the cases that all have
+            [row("a", "none", 4.0, 0.2), row("a", "none", 6.0, 0.4, latency_ms=400.0),
+             row("a", "none", 500.0, 0.9, latency_ms=800.0), row("b", "none", 8.0, 0.1),
+             row("b", "none", 8.0, 0.2, latency_ms=400.0)],
+            [("a", 5.0, 0.3), ("b", 8.0, 0.15)],
         ),
-        *(row("b", "none", time, flip, latency_ms=at) for time, flip, at in ((8.0, 0.1, 200.0), (8.0, 0.2, 400.0))),
-    ]
-    first, second = levels_from(rows)
-    assert (first.warp, first.total_ms, first.error) == ("a", 5.0, pytest.approx(0.3))
-    assert (second.warp, second.total_ms, second.error) == ("b", 8.0, pytest.approx(0.15))
-
-
-def test_the_largest_of_several_sizes_counts():
-    rows = [row("a", "none", 5.0, 0.2), row("a", "none", 20.0, 0.21, size=[1280, 800])]
-    assert [level.total_ms for level in levels_from(rows)] == [20.0]
-    more = [
-        row("a", "none", 30.0, 0.2, size=[1280, 800], scene="planes"),
-        row("a", "none", 40.0, 0.2, size=[800, 1280]),
-    ]
-    assert [level.total_ms for level in levels_from([*rows, *more])] == [30.0]
+        # Of several sizes the largest.
+        ([row("a", "none", 5.0, 0.2), row("a", "none", 20.0, 0.21, **LARGE)], [("a", 20.0, 0.21)]),
+        (
+            [row("a", "none", 20.0, 0.2, **LARGE), row("a", "none", 30.0, 0.2, **LARGE, scene="planes"),
+             row("a", "none", 40.0, 0.2, size=[800, 1280])],
+            [("a", 30.0, 0.2)],
+        ),
+        # Of two machines that with the most rows, however quick the other is.
+        (
+            [row("b", "none", 0.1, 0.1, machine={"host": "theirs"}), row("a", "none", 10.0, 0.3, **OURS),
+             row("b", "none", 20.0, 0.1, **OURS)],
+            [("a", 10.0, 0.3), ("b", 20.0, 0.1)],
+        ),
+        # What was not measured is left out.
+        ([row("a", "none", None, 0.1), row("b", "none", 3.0, None), row("c", "none", 3.0, 0.2)], [("c", 3.0, 0.2)]),
+    ],
+    ids=["means", "sizes", "sides", "machines", "unmeasured"],
+)  # fmt: skip
+def test_a_level_has_the_figures_that_can_be_compared(rows, levels):
+    found = [(level.warp, level.total_ms, level.error) for level in levels_from(rows)]
+    assert found == [(name, ms, pytest.approx(error)) for name, ms, error in levels]
 
 
 def test_the_most_accurate_within_a_budget():
@@ -78,36 +89,14 @@ def test_the_most_accurate_within_a_budget():
     assert [best_within(levels, budget_ms) for budget_ms in (1.0, 8.0, 10, 1e6)] == [0, 2, 2, 3]
 
 
-def test_times_of_two_machines_are_not_mixed():
-    """The machine with the most rows counts, however quick the other is."""
-    slow = [row("none", "none", 10.0, 0.3), row("rotation", "none", 20.0, 0.1)]
-    ours = [{**row, "latency_ms": latency, "machine": {"host": "ours"}} for row in slow for latency in (100.0, 200.0)]
-    theirs = [{**row("rotation", "none", 0.1, 0.1), "latency_ms": 300.0, "machine": {"host": "theirs"}}]
-    assert levels_from([*theirs, *ours]) == levels_from(ours)
-
-
-def test_rows_that_measured_nothing_are_left_out():
-    rows = [row("a", "none", None, 0.1), row("b", "none", 3.0, None), row("c", "none", 3.0, 0.2)]
-    assert [found.warp for found in levels_from(rows)] == ["c"]
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: levels_from([row("a", "none", None, 0.1)]), "with a time and a FLIP"),
-        (
-            lambda: levels_from([row("a", "none", 1.0, 0.1), row("b", "none", 1.0, 0.1, scene="planes")]),
-            "no common case",
-        ),
-        *(
-            (lambda bad=bad: best_within(levels_from(ROWS), bad), "expected a time above 0 ms")
-            for bad in (0.0, -1.0, math.nan, math.inf)
-        ),
-    ],
-)
-def test_rows_and_budgets_that_say_nothing_are_refused(call, message):
-    with pytest.raises(InputError, match=message):
-        call()
+def test_rows_and_budgets_that_say_nothing_are_refused():
+    apart = [row("a", "none", 1.0, 0.1), row("b", "none", 1.0, 0.1, scene="planes")]
+    for rows, message in (([row("a", "none", None, 0.1)], "with a time and a FLIP"), (apart, "no common case")):
+        with pytest.raises(InputError, match=message):
+            levels_from(rows)
+    for budget_ms in (0.0, -1.0, math.nan, math.inf):
+        with pytest.raises(InputError, match="expected a time above 0 ms"):
+            best_within(levels_from(ROWS), budget_ms)
 
 
 BUDGET = 10.0
