@@ -303,9 +303,8 @@ def signed_rank_power(people: int, effect: float, alpha: float) -> float:
 
 def sign_power(people: int, share: float, alpha: float) -> float:
     """Return the power of the two-sided exact sign test of choices of which `share` go one way."""
-    null, true = (
-        [math.comb(people, k) * p**k * (1 - p) ** (people - k) for k in range(people + 1)] for p in (0.5, share)
-    )
+    ways = [math.comb(people, k) for k in range(people + 1)]
+    null, true = ([n * p**k * (1 - p) ** (people - k) for k, n in enumerate(ways)] for p in (0.5, share))
     enough = int(np.sum(np.cumsum(null) <= alpha / 2))  # smallest counts that are significant
     return math.fsum(true[:enough] + true[people + 1 - enough :])
 
