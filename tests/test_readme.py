@@ -93,7 +93,8 @@ def smaller(block: str) -> str:
     A suite says by itself what is run: see small_suites.
     """
     block = block.replace('size = "160x200"', 'size = "64x80"').replace("seconds = 1\n", "seconds = 0.3\n")
-    block = block.replace("--scene room", "--scene planes").replace("voxels:size=32", "voxels:size=8,cones=4")
+    block = re.sub(r'(--scene |scene = ")room', r"\1planes", block)
+    block = block.replace("voxels:size=32", "voxels:size=8,cones=4")
     lines = block.splitlines()
     return "\n".join(line + "".join(_more(line, *each) for each in SMALLER.items()) for line in lines)
 

@@ -119,6 +119,8 @@ _EXAMPLE = "hmdwarp/headsets/rift-dk1.toml"
 MIRRORED = "mirrored"
 IPD, DRAWN = ":ipd=", ":hidden=drawn"
 FILE_ENDINGS = (".toml", ".json")
+# Of shipped ones once: checking what eyes hide takes 20 ms, and each RunOptions asks for its own.
+_of_toml = functools.cache(lambda path: parsed(text_of(path, "a headset, as a .toml file"), path, _headset, _EXAMPLE))
 
 
 def headset_names() -> list[str]:
@@ -144,25 +146,18 @@ def load_headset(spec: str) -> Headset:
     if name.endswith(DRAWN):
         drawn = load_headset(name.removesuffix(DRAWN))
         return attrs.evolve(drawn, name=name, eyes=tuple(attrs.evolve(eye, hidden=None) for eye in drawn.eyes))
-    if name in headset_names():
-        return _from_toml(_FOLDER / f"{name}.toml")
-    path = Path(name)
-    if not name.endswith(FILE_ENDINGS):
+    path = Path(name) if name.endswith(FILE_ENDINGS) else _FOLDER / f"{name}.toml"
+    if not name.endswith(FILE_ENDINGS) and name not in headset_names():
         raise unknown_name("headset", name, [*headset_names(), *(f"FILE{ending}" for ending in FILE_ENDINGS)])
     try:
         if path.suffix == ".json":  # that SteamVR keeps of a Vive, Vive Pro or Index, or that hmdq exports
             data = Table(parse_json(text_in(path, FACTS)))
             return _vive(data, path) if "tracking_to_eye_transform" in data else _hmdq(data, path)
-        return _from_toml.__wrapped__(path)
+        return (_of_toml if path.parent == _FOLDER else _of_toml.__wrapped__)(path)
     except DocumentError as error:
         raise InputError(f"{path}: this is no JSON: {error}") from error
     except InputError as error:  # the model's own name no file
         raise error if str(error).startswith(str(path)) else InputError(f"{path}: {error}") from error
-
-
-@functools.cache  # of the shipped ones: checking what an eye hides takes 20 ms, and each RunOptions asks for it
-def _from_toml(path: Path) -> Headset:
-    return parsed(text_of(path, "a headset, as a .toml file"), path, _headset, _EXAMPLE)
 
 
 def _headset(data: Table) -> Headset:
