@@ -320,6 +320,7 @@ def people_for_signed_rank(effect: float, alpha: float) -> int:
     return people
 
 
+@functools.cache
 def people_for_sign(share: float, alpha: float) -> int:
     """Return the fewest people from whom on more find it as well, by TARGET, of 400 at most."""
     return max(people for people in range(1, 400) if sign_power(people, share, alpha) < TARGET) + 1
