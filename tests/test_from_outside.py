@@ -49,7 +49,7 @@ def package(tmp_path_factory) -> Path:
 
 
 COMMON = (
-    "replay look-around --scene planes --size 48x40 --seconds 0.5 --rate 60 --latency 50 --guard 1 --lens none "
+    "replay look-around --scene planes --size 48x40 --seconds 0.3 --rate 60 --latency 50 --guard 1 --lens none "
     "--headset flat-90 --metrics-every 10 --workers 0 --images 0 --loss 0.3"
 )
 COMMANDS = (
@@ -91,7 +91,10 @@ def work(package) -> Path:
     folder.mkdir()
     write_inputs(folder)
     code = (
-        "import sys\nfrom hmdwarp.cli import main\nfor line in sys.argv[1:]:\n    sys.argv[1:] = line.split()\n"
+        "import sys\nfrom hmdwarp.cli import main\nfrom hmdwarp.run import run_summary\n"
+        "page = run_summary.render_report\n"
+        "for line in sys.argv[1:]:\n    sys.argv[1:] = line.split()\n"
+        "    run_summary.render_report = page if 'others' in line else lambda *_, **__: 'no page'\n"
         "    try:\n        main()\n    except SystemExit as left:\n        assert not left.code, line"
     )
     paths = os.pathsep.join(filter(None, (str(package), os.environ.get("PYTHONPATH"))))

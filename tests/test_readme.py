@@ -11,7 +11,6 @@ import importlib
 import os
 import re
 import shlex
-import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -21,7 +20,7 @@ import needs
 import pytest
 from commands import hmdwarp
 from display.virtual_screen import VirtualScreen
-from serving import Serving
+from serving import Serving, free_port
 from study.session.conftest import hurry
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -41,6 +40,7 @@ SMALLER = {
     "hmdwarp bench ": " --size 64x80 --workers 0 --instants 1 --rounds 1",
     "hmdwarp compare ": " --size 48x40 --workers 0",
     "hmdwarp live ": " --size 64x80",
+    "hmdwarp choose ": " --size 32x40 --seconds 0.1",
 }
 # Where a page of a run is drawn as it is, which takes longer than the run.
 WITH_PAGES = ("README.md", "getting-started.md")
@@ -71,32 +71,30 @@ def run(command: list[str], folder: Path) -> None:
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout}\n{done.stderr}"
 
 
-def run_block(block: str, folder: Path, page: bool) -> None:
+def run_block(block: str, folder: Path, page: bool, servers: dict[str, subprocess.Popen]) -> None:
     """Run commands, those of hmdwarp in this process unless one stays in the background.
 
-    page: whether pages of runs are drawn.
+    page: whether pages of runs are drawn. servers: what stays there, each once for a page.
     """
-    if re.search(r"&$", block, re.MULTILINE):
-        return run(["sh", "-ec", block], folder)
     for statement in re.findall(r"^[^\n]*<<'END'\n.*?^END$|^[^\n]+", block, re.DOTALL | re.MULTILINE):
-        if statement.startswith("hmdwarp "):
+        if statement.endswith(" &"):
+            words = [sys.executable, "-m", *shlex.split(statement.removesuffix(" &"))]
+            servers[statement] = servers.get(statement) or subprocess.Popen(words, cwd=folder, stderr=subprocess.PIPE)
+        elif statement.startswith("hmdwarp "):
             done = hmdwarp(*shlex.split(statement)[1:], folder=folder, page=page)
             assert done.returncode == 0, f"{statement}\n{done.stdout}\n{done.stderr}"
-        else:
+        elif not statement.startswith(("kill ", "server=")):
             run(["sh", "-ec", statement], folder)
-    return None
 
 
 def smaller(block: str) -> str:
     """Return the commands of a block with the options of SMALLER; of a study, less to show.
 
-    A suite says by itself what is run: see small_suites. Servers listen at free ports.
+    A suite says by itself what is run: see small_suites.
     """
-    for port in ("5570", "5571"):
-        with socket.create_server(("127.0.0.1", 0)) as free:
-            block = block.replace(f"127.0.0.1:{port}", f"127.0.0.1:{free.getsockname()[1]}")
     block = block.replace('size = "160x200"', 'size = "64x80"').replace("seconds = 1\n", "seconds = 0.3\n")
-    block = block.replace("--scene room", "--scene planes").replace("voxels:size=32", "voxels:size=8,cones=4")
+    block = re.sub(r'(--scene |scene = ")room', r"\1planes", block)
+    block = block.replace("voxels:size=32", "voxels:size=8,cones=4")
     lines = block.splitlines()
     return "\n".join(line + "".join(_more(line, *each) for each in SMALLER.items()) for line in lines)
 
@@ -116,10 +114,11 @@ def _plain_scene(line: str) -> str:
 
 @pytest.fixture
 def small_suites(tmp_path_factory, monkeypatch) -> None:
-    """Let named benchmarks draw pictures of 48x30 without antialiasing; they keep their cases."""
+    """Let named benchmarks draw 48x30 without antialiasing, of the first person alone."""
     text = (ROOT / "hmdwarp/experiments/bench/suites.toml").read_text(encoding="utf-8")
     file = tmp_path_factory.mktemp("suites") / "suites.toml"
-    file.write_text(re.sub("size = .*\nsamples = .*", 'size = ["48x30"]\nsamples = 1', text), encoding="utf-8")
+    text = re.sub("size = .*\nsamples = .*", 'size = ["48x30"]\nsamples = 1', text)
+    file.write_text(re.sub(r'traces = \[("[^"]+").*\]', r"traces = [\1]", text), encoding="utf-8")
     monkeypatch.setattr("hmdwarp.experiments.bench.suites._FILE", file)
 
 
@@ -130,11 +129,21 @@ def small_suites(tmp_path_factory, monkeypatch) -> None:
 )
 def test_a_page_runs_from_top_to_bottom(page, tmp_path, monkeypatch):
     hurry(monkeypatch)
-    for kind, text in BLOCKS[page]:
-        if kind == "python":
-            run([sys.executable, "-c", text], tmp_path)
-        elif kind == "sh" and not text.startswith("make "):
-            run_block(smaller(text), tmp_path, page in WITH_PAGES)
+    monkeypatch.chdir(tmp_path)
+    ports, servers = {port: str(free_port()) for port in ("5570", "5571")}, {}
+    try:
+        for kind, block in BLOCKS[page]:
+            text = re.sub("|".join(ports), lambda port: ports[port[0]], block)
+            if kind == "python" and page == "README.md":
+                run([sys.executable, "-c", text], tmp_path)
+            elif kind == "python":
+                exec(compile(text, page, "exec"), {"__name__": "__main__"})
+            elif kind == "sh" and not text.startswith("make "):
+                run_block(smaller(text), tmp_path, page in WITH_PAGES, servers)
+    finally:
+        for server in servers.values():
+            server.terminate()
+            server.communicate()
     for name in LEFT.get(page, ()):
         assert (tmp_path / name).stat().st_size > 0, name
     assert not _untracked([path.name + "/" * path.is_dir() for path in tmp_path.iterdir()]), "add them to .gitignore"
@@ -185,7 +194,7 @@ def test_the_tables_of_the_front_page_are_those_of_the_results(monkeypatch):
 @pytest.mark.slow(30)
 def test_make_replay_does_the_main_job(tmp_path):
     # All of the recording takes minutes; a third of a second of it takes the same way.
-    options = ("SECONDS=0.3", f"OUT={tmp_path / 'out'}", "OPTIONS=--size 96x120 --images 1")
+    options = ("SCENE=planes", "SECONDS=0.3", f"OUT={tmp_path / 'out'}", "OPTIONS=--size 96x120 --images 1")
     run(["make", "-C", str(ROOT), "replay", *options], tmp_path)
     assert (tmp_path / "out/report.html").is_file()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 import re
@@ -118,6 +119,8 @@ _EXAMPLE = "hmdwarp/headsets/rift-dk1.toml"
 MIRRORED = "mirrored"
 IPD, DRAWN = ":ipd=", ":hidden=drawn"
 FILE_ENDINGS = (".toml", ".json")
+# Of shipped ones once: checking what eyes hide takes 20 ms, and each RunOptions asks for its own.
+_of_toml = functools.cache(lambda path: parsed(text_of(path, "a headset, as a .toml file"), path, _headset, _EXAMPLE))
 
 
 def headset_names() -> list[str]:
@@ -150,7 +153,7 @@ def load_headset(spec: str) -> Headset:
         if path.suffix == ".json":  # that SteamVR keeps of a Vive, Vive Pro or Index, or that hmdq exports
             data = Table(parse_json(text_in(path, FACTS)))
             return _vive(data, path) if "tracking_to_eye_transform" in data else _hmdq(data, path)
-        return parsed(text_of(path, "a headset, as a .toml file"), path, _headset, _EXAMPLE)
+        return (_of_toml if path.parent == _FOLDER else _of_toml.__wrapped__)(path)
     except DocumentError as error:
         raise InputError(f"{path}: this is no JSON: {error}") from error
     except InputError as error:  # the model's own name no file

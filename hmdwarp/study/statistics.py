@@ -273,6 +273,7 @@ JOD_SPREAD = 1 / _NORMAL.inv_cdf(0.75)  # of the difference of two judgements, s
 _CELLS = 40  # of the sizes of differences: 80 give the same power within 0.002
 
 
+@functools.cache
 def signed_rank_power(people: int, effect: float, alpha: float) -> float:
     """Return the power of the two-sided exact signed-rank test of normal differences.
 
@@ -291,10 +292,10 @@ def signed_rank_power(people: int, effect: float, alpha: float) -> float:
     below = np.zeros((people + 1, turns.shape[1]), complex)
     below[0] = 1
     for plus, minus in zip(*(np.diff([*map(_NORMAL.cdf, edges + e)]) for e in (-effect, effect)), strict=True):
-        step, more = (minus + plus * turns) * ranks, below
+        step, more = (minus + plus * turns) * ranks, below.copy()
         for count in range(1, people + 1):
-            more = np.concatenate([np.zeros_like(below[:1]), more[:-1] * step]) / count
-            below = below + more
+            more[count:] = more[count - 1 : -1] * step[count - 1 :] / count
+            below[count:] += more[count:]
             if (people * (plus + minus)) ** count < 1e-10 * math.factorial(count):
                 break
     chances = np.fft.irfft(below[people], len(null))
@@ -303,9 +304,8 @@ def signed_rank_power(people: int, effect: float, alpha: float) -> float:
 
 def sign_power(people: int, share: float, alpha: float) -> float:
     """Return the power of the two-sided exact sign test of choices of which `share` go one way."""
-    null, true = (
-        [math.comb(people, k) * p**k * (1 - p) ** (people - k) for k in range(people + 1)] for p in (0.5, share)
-    )
+    ways = [math.comb(people, k) for k in range(people + 1)]
+    null, true = ([n * p**k * (1 - p) ** (people - k) for k, n in enumerate(ways)] for p in (0.5, share))
     enough = int(np.sum(np.cumsum(null) <= alpha / 2))  # smallest counts that are significant
     return math.fsum(true[:enough] + true[people + 1 - enough :])
 
@@ -320,6 +320,7 @@ def people_for_signed_rank(effect: float, alpha: float) -> int:
     return people
 
 
+@functools.cache
 def people_for_sign(share: float, alpha: float) -> int:
     """Return the fewest people from whom on more find it as well, by TARGET, of 400 at most."""
     return max(people for people in range(1, 400) if sign_power(people, share, alpha) < TARGET) + 1

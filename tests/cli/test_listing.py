@@ -5,6 +5,7 @@ What there is, told so that people and programs can read it.
 
 from __future__ import annotations
 
+import functools
 import json
 import re
 import subprocess
@@ -14,6 +15,7 @@ import pytest
 import typer
 
 from hmdwarp.base import __version__, recording_names
+from hmdwarp.cli import catalogue
 from hmdwarp.cli._app import app, options_of_commands
 from hmdwarp.cli.catalogue import KINDS, entries
 from hmdwarp.client.effects import effects
@@ -71,7 +73,8 @@ def test_list_alone_lists_its_kinds(command):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_each_list_is_for_people_in_80_columns_and_for_programs(kind, command):
+def test_each_list_is_for_people_in_80_columns_and_for_programs(kind, command, monkeypatch):
+    monkeypatch.setattr(catalogue, "entries", functools.cache(entries))
     rows = json.loads(command("list", kind, "--json").done().out)
     assert rows == entries(kind) and all(row["name"] and row["summary"] for row in rows)
     assert all(isinstance(text, str) and text for row in rows for text in row.values())

@@ -49,17 +49,17 @@ def replaying(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("number", "status", "told"),
+    ("kill", "number", "status", "told"),
     [
-        (signal.SIGINT, 130, "interrupted"),
-        (signal.SIGTERM, 143, "ended by SIGTERM"),
-        (signal.SIGHUP, 129, "ended by SIGHUP"),
+        (os.kill, signal.SIGINT, 130, "interrupted"),
+        (os.killpg, signal.SIGINT, 130, "interrupted"),  # its whole group, as the terminal does
+        (os.kill, signal.SIGTERM, 143, "ended by SIGTERM"),
+        (os.killpg, signal.SIGHUP, 129, "ended by SIGHUP"),
     ],
 )
-@pytest.mark.parametrize("to_all", [False, True], ids=["to it alone", "to its whole group, as the terminal does"])
-def test_a_signal_leaves_nothing_behind(number, status, told, to_all, replaying):
+def test_a_signal_leaves_nothing_behind(kill, number, status, told, replaying):
     process, out = replaying
-    (os.killpg if to_all else os.kill)(process.pid, number)
+    kill(process.pid, number)
     printed, complaint = process.communicate(timeout=TIMEOUT_S)
     assert process.returncode == status
     assert printed == ""

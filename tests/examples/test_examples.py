@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from study import tiny
 
+from hmdwarp.client.warps import warps
+
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 SCRIPTS = sorted(EXAMPLES.glob("*.py"))
 
@@ -28,27 +30,24 @@ def header(script: Path) -> tuple[str, list[str]]:
 def test_it_runs_and_writes_what_it_promises(script, tmp_path, monkeypatch):
     """From another folder; files have content and folders hold files.
 
-    In a process of its own where it registers something, which would stay for all other tests;
-    commands that it starts run in this one.
+    Commands that it starts run in this process; a warp that it registers goes with it.
     """
     _, promised = header(script)
     out = tmp_path / "out"
-    if "register" in script.read_text(encoding="utf-8"):
-        command = [sys.executable, "-W", "error", str(script), str(out)]
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stdout + done.stderr
-    else:
-        if script.stem != "replay_summary":  # whose page is the first that people see
-            monkeypatch.setattr("hmdwarp.run.run_summary.render_report", lambda *_, **__: "no page")
-        monkeypatch.setattr("hmdwarp.run.replay_run.worker_count", lambda _: 0)
-        run, ran_here = subprocess.run, lambda words: tiny.ran(*words[words.index("hmdwarp") + 1 :])
-        if "import subprocess" in script.read_text(encoding="utf-8"):
-            monkeypatch.setattr(
-                subprocess, "run", lambda words, **how: ran_here(words) if "hmdwarp" in words else run(words, **how)
-            )
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", [str(script), str(out)])
-        runpy.run_path(str(script), run_name="__main__")
+    if script.stem != "replay_summary":  # whose page is the first that people see
+        monkeypatch.setattr("hmdwarp.run.run_summary.render_report", lambda *_, **__: "no page")
+    monkeypatch.setattr("hmdwarp.run.replay_run.worker_count", lambda _: 0)
+    run, ran_here = subprocess.run, lambda words: tiny.ran(*words[words.index("hmdwarp") + 1 :])
+    if "import subprocess" in script.read_text(encoding="utf-8"):
+        monkeypatch.setattr(
+            subprocess, "run", lambda words, **how: ran_here(words) if "hmdwarp" in words else run(words, **how)
+        )
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", [str(script), str(out)])
+    known = warps.names()
+    runpy.run_path(str(script), run_name="__main__")
+    for name in {*warps.names()} - {*known}:
+        del warps._entries[name]
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
     for name in promised:
         path = out / name

@@ -19,7 +19,6 @@ VALUES = st.one_of(
 PAIRS = st.lists(st.tuples(KEYS, VALUES), max_size=4, unique_by=lambda pair: pair[0])
 
 
-@settings(max_examples=200)
 @given(st.lists(st.tuples(st.sampled_from(["[", "[["]), KEYS, PAIRS), max_size=5))
 def test_files_whose_lines_are_known(tables):
     """Written line by line here, so each key's line is the count of the lines before it."""
@@ -47,5 +46,8 @@ def test_files_whose_lines_are_known(tables):
 @given(st.text("[]{}=\"'#\n ,.ab\\", max_size=40))
 def test_texts_that_are_no_toml_are_survived(text):
     assert line_of(text, ("a", 0, "b")) >= 1
+
+
+def test_values_that_no_end_closes_or_of_many_lines():
     assert line_of("a = " + "[" * 10_000, ("a",)) == 1
     assert line_of("a = { b = [\n" + "1,\n" * 40 + "2], c = 2 }", ("a", "c")) == 42

@@ -230,7 +230,7 @@ class Evidence:
         climbs, walks, faces = float(np.abs(up) @ self.climb), float(gaze @ self.travel), float(gaze @ self.neck)
         points = 2.0 * level + cosine + (turns + nods) + (walks - climbs + faces)
         tips = np.abs(up) @ self.tips  # mean squares of how far gaze and ears leave the horizon
-        pitched, rolled = float(tips @ np.abs(gaze)), float(tips @ np.abs(np.cross(crown, gaze)))
+        pitched, rolled = float(tips @ np.abs(gaze)), float(tips @ (1 - np.abs(crown) - np.abs(gaze)))
         points += 0.5 * (pitched - rolled) / (pitched + rolled) if pitched + rolled > _TIPPED else 0.0
         height, walked = float(up @ self.height_m), float(np.linalg.norm(self.travel))
         points += 0.5 if _HEIGHTS_M[0] <= height <= _HEIGHTS_M[1] else -0.5 if height < -_HEIGHTS_M[0] else 0.0

@@ -6,7 +6,7 @@ import math
 
 import attrs
 import pytest
-from replays import replayed, scene_for
+from replays import CHEAPER, replayed, scene_for
 
 from hmdwarp.base import PlanError
 from hmdwarp.client.strategies import has_own_link, strategies
@@ -23,7 +23,7 @@ from hmdwarp.scenes import load_scene
 
 from .test_bench_cases import TINY
 
-NAMES = strategies.names()
+NAMES = [CHEAPER.get(name, name) for name in strategies.names()]
 LATENCY_MS = 100.0
 OPTIONS = attrs.evolve(
     TINY, warps=(), fills=FILLS, recordings=("look-around",), latencies_ms=(LATENCY_MS,), headset="flat-90",

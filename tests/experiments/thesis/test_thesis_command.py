@@ -6,6 +6,7 @@ import json
 from functools import partial
 from pathlib import Path
 
+import attrs
 import pytest
 from commands import hmdwarp
 from report_tables import summary_markdown
@@ -26,9 +27,11 @@ def kept(out: Path) -> dict[str, bytes]:
 
 @pytest.mark.slow(40)
 def test_quick_gives_every_experiment_its_verdict(tmp_path, monkeypatch):
-    """Each kind of run is there, with smaller pictures than --quick has."""
-    out, tiny = tmp_path / "out", Thoroughness((80, 50), 1, 1, 1 / 16, 0.25)
+    """Each kind of run is there, of the first cells, with smaller pictures than --quick has."""
+    out, tiny = tmp_path / "out", Thoroughness((64, 40), 1, 1, 1 / 16, 0.25)
     monkeypatch.setattr("hmdwarp.experiments.thesis.thesis_run.Thoroughness", lambda *_: tiny)
+    first = [attrs.evolve(each, cells=each.cells[:1]) for each in EXPERIMENTS]
+    monkeypatch.setattr("hmdwarp.experiments.thesis.experiment.experiments_named", lambda _: first)
     done = hmdwarp("thesis", "--quick", "--out", out)
     assert done.returncode == 0, done.stderr
     data = json.loads((out / "results.json").read_text(encoding="utf-8"))

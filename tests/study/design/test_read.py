@@ -200,7 +200,7 @@ CHANGED = st.one_of(
 )
 
 
-@settings(max_examples=600)
+@settings(max_examples=400)
 @given(CHANGED)
 def test_whatever_is_changed_is_read_or_refused_in_one_line(text):
     """Characters overwritten, any value for any key, lines in any order or left out."""
