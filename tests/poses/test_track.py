@@ -289,18 +289,3 @@ def test_slerp_is_scipys(a, share):
     assert angle(quaternions.slerp(a.tolist(), b.tolist(), share), wanted) < 2e-14
     many = quaternions.slerp_many(a[None], b[None], np.array([share]))[0]
     assert np.allclose(many, quaternions.slerp(a.tolist(), b.tolist(), share), rtol=0, atol=1e-15)
-
-
-@given(st.lists(st.booleans(), min_size=1, max_size=30))
-def test_signs_become_continuous_without_changing_a_rotation(flips):
-    smooth = quaternions.from_rotation_vector(np.linspace(0, 5, len(flips))[:, None] * np.array([0.1, 1.0, 0.2]))
-    flipped = np.where(np.array(flips)[:, None], -smooth, smooth)
-    mended = flipped.copy()
-    changes = sum(a != b for a, b in zip(flips, flips[1:], strict=False))
-    if len(flips) > 10:  # steps are then below 90 degrees of quaternion arc, so a negative product can only be a flip
-        assert len(quaternions.make_continuous(mended)) == changes
-    else:
-        quaternions.make_continuous(mended)
-    assert (np.einsum("ij,ij->i", mended[1:], mended[:-1]) >= 0).all()
-    assert np.array_equal(np.abs(mended), np.abs(flipped))
-    assert np.array_equal(mended[0], flipped[0])

@@ -17,7 +17,7 @@ from hmdwarp.client.strategies import strategies
 from hmdwarp.experiments.sweep import ClusterOptions
 from hmdwarp.metrics import QUALITY
 from hmdwarp.poses import load_trace
-from hmdwarp.poses.writing import write_native
+from hmdwarp.poses.formats import write_native
 from hmdwarp.run import RunOptions, measured, replay, set_up_replay
 from hmdwarp.study import MeasureOptions, measure_study
 from hmdwarp.study.design import Show, design_from_text, load_design, steps_of
