@@ -488,11 +488,12 @@ def _arranged(head: Head, cells: Cells, order: str | None) -> dict[str, Any] | N
 
 def _sniff_frames(head: Head) -> int:
     """Recognise six bare columns: the second a frame number, the last four of length 1."""
-    if head.names or head.separator is not None or head.width != 6:
+    rows = [row for row in head.rows if len(row) == 6 and all(map(is_number, row))]
+    if head.names or head.separator is not None or head.width != 6 or not all(are_digits(row[1]) for row in rows):
         return 0
-    numbers, is_counted = head.numbers((0, 1, 2, 3, 4, 5)), all(map(are_digits, head.cells(1)))
+    numbers = head.numbers((0, 1, 2, 3, 4, 5))
     unit = np.abs(np.linalg.norm(numbers[:, 2:], axis=1) - 1) < 0.05
-    return 60 if is_counted and 2 * unit.sum() > len(unit) and (np.diff(numbers[:, 1]) >= 0).all() else 0
+    return 60 if 2 * unit.sum() > len(unit) and (np.diff(numbers[:, 1]) >= 0).all() else 0
 
 
 def _of_frames(head: Head, options: TraceOptions, facts: Mapping[str, Any]) -> Layout:
@@ -525,8 +526,7 @@ def _of_matrices(head: Head, options: TraceOptions, _: Mapping[str, Any]) -> Lay
             step = float(np.median(steps)) if len(steps) else 0.0
             likely = column < cells[0], len(set(numbers.tolist())), bool((numbers % 1).any()), step
             clocks.append((likely, -column))
-    time = -max(clocks)[1] if clocks else None
-    return Layout(time=time, columns_by=By.DEFAULT, **matrix)
+    return Layout(time=-max(clocks)[1] if clocks else None, columns_by=By.DEFAULT, **matrix)
 
 
 # What a table of a format names where a header does not tell: its score, and how it is read.

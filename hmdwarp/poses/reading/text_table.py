@@ -98,14 +98,14 @@ def _head_of_text(path: Path, raw: bytes, newline: bytes) -> Head:
     comments: list[tuple[int, str]] = []  # before them
     header = ""
     for number, piece in enumerate(raw[offset:].split(newline), 1):
-        bare = piece.decode("utf-8", "replace").rstrip("\r\x00").strip()
+        bare = (text := piece.decode("utf-8", "replace").rstrip("\r\x00")).strip()
         if mark := next((mark for mark in COMMENT_SIGNS if bare.startswith(mark)), ""):
             comments += [] if lines else [(number, bare[len(mark) :].strip())]
         elif bare:  # the header, or a row
             fields = [f.strip('"([{') for f in re.split(r"[,;\t ]+", bare) if f]
             named = sum(1 for f in fields if f[:1].isalpha() and not is_number(f))
             if lines or header or named * 2 <= len(fields):
-                lines.append((offset, number, bare))
+                lines.append((offset, number, text))
             else:
                 header = bare
         offset += len(piece) + 1
@@ -113,8 +113,8 @@ def _head_of_text(path: Path, raw: bytes, newline: bytes) -> Head:
             break
     if not lines:
         raise TraceError(f"{path} holds no rows of numbers, only {'a header' if header else 'comments'}")
-    begins, first, bare = lines[0]
-    separator, comma = _separator(bare, header)
+    begins, first, text = lines[0]
+    separator, comma = _separator(text.strip(), header)
     rows = [split(text, separator) for _, _, text in lines]
     # A comment names the columns if it has one word for each, none of them a number.
     said = (split(comment, separator) for _, comment in reversed(comments))
