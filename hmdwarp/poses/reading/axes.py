@@ -11,7 +11,7 @@ import math
 import operator
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
@@ -23,9 +23,7 @@ from ..assumptions import AXES_BY, DIRECTION, Assumption, By, Fact, Layout
 from ..options import COLUMNS, DIRECT, INVERSE, ROWS, TraceOptions
 from ..track import PoseSample
 from .columns import columns_read
-
-if TYPE_CHECKING:
-    from .text_table import Recording
+from .text_table import Recording
 
 Array = NDArray[np.float64]
 

@@ -25,7 +25,6 @@ from ...base import TraceError
 from ...base.named_files import LIST, TRACE, opened
 from ..assumptions import Defect, Layout
 from ..options import VECTOR, TraceOptions
-from .axes import OPENXR, Axes, parse_axes
 from .columns import BILLION, COMMENT_SIGNS, UNITS_NS, Head, is_number
 from .made_rows import maker_of
 from .pose_messages import MAGICS as BAGS
@@ -176,7 +175,7 @@ class Recording:
     taken: str = ""  # the device whose rows are kept
     segments: list[Segment] = attrs.field(factory=list)
     jumps: NDArray[np.int64] = attrs.field(factory=lambda: np.zeros(0, np.int64))
-    axes: Axes = attrs.field(factory=lambda: parse_axes(OPENXR))
+    axes: Any = None  # an axes.Axes, by the layout and the options
     shown: str = ""  # what the motion shows of them, in words
 
     def __len__(self) -> int:
