@@ -231,7 +231,7 @@ def _trace(path: Path, rng: Rng, stated: dict[str, Any] | None = None) -> None:
         stated |= {
             "format": rng.choice([None, *formats.names()]),
             "quat_order": rng.choice([None, "xyzw", "wxyz"]),
-            "up": rng.choice([None, "z", "x,y,z", "0.1,1,0.2"]),
+            "up": rng.choice([None, "0,0,1", "x,y,z", "0.1,1,0.2"]),
             "scale": rng.choice([None, 0.01, 1e6]),
             "rate": rng.choice([None, 90.0, 1e-3]),
             "segment": rng.choice([None, 1, 2]),

@@ -249,7 +249,7 @@ KINDS = {
     ),
     "axes": Kind(
         "Axes of head traces, by the software that writes them.", "poses.reading.axes:presets",
-        lambda preset: {"axes": preset.axes.words(), "source": preset.source},
+        lambda axes: {"axes": axes.words(), "source": axes.source},
     ),
     "formats": Kind(
         "Formats of head traces.", "poses.formats:formats",
@@ -265,7 +265,7 @@ KINDS = {
     "layers": Kind("What a frame holds beside its picture.", "frames.layers:layers", _layer),
     "predictors": Kind(
         "Predict the head pose.", "poses.predictors:predictors",
-        lambda e: {"horizon": f"{e.horizon_ns / 1e6:g} ms", "same_as": e.alias_of or "none", "source": e.source},
+        lambda e: {"horizon": f"{e.horizon_ns / 1e6:g} ms", "source": e.source},
     ),
     "codecs": Kind(
         "Encode and decode what crosses the link.", "link.codec:codecs", lambda codec: {"crf": f"{codec.crf:g}"}

@@ -359,8 +359,8 @@ class PipelineOptions(Declared):
     predict: str = _rendering(
         # None shows latency as it is.
         attrs.Factory(lambda self: "none" if self.warp == "none" else DEFAULT_PREDICTOR, takes_self=True),
-        f"Head pose that the server draws for, by predictor: {', '.join(PREDICTORS)}; on is cautious, "
-        f"and cav constant_velocity. [default: {DEFAULT_PREDICTOR}; none with warp none]",
+        f"Head pose that the server draws for, by predictor: {', '.join(PREDICTORS)}. "
+        f"[default: {DEFAULT_PREDICTOR}; none with warp none]",
         valid=lambda *given: given[-1] in PREDICTORS or poses.predictors.get(given[-1]),
         kind=str,
         default=None,

@@ -68,8 +68,7 @@ def first_stated(*values: T | None) -> tuple[T | None, By]:
 
 # Who says what axes a file has, in words.
 AXES_BY = {
-    By.USER: "as --axes or --up says", By.FILE: "stated by the file", By.FORMAT: "by the format",
-    By.DEFAULT: "assumed",
+    By.USER: "as --axes says", By.FILE: "stated by the file", By.FORMAT: "by the format", By.DEFAULT: "assumed",
 }  # fmt: skip
 
 
@@ -97,8 +96,8 @@ class Layout:
     orientation: tuple[int, ...]
     matrix: str = ""  # how its numbers were ordered, in words; "": none
     euler: Euler | None = None
-    rest: int | None = None  # column that completes the clock: what is over whole seconds, or the date
-    rest_unit: str = "ns"  # a key of `times.UNITS_NS`, or "date"
+    rest: int | None = None  # column that completes the clock: what is over whole seconds
+    rest_unit: str = "ns"  # a key of `times.UNITS_NS`
     position: tuple[int, int, int] | None = None  # columns of x y z
     # columns of x y z of a direction in the head's axes, or of x y z w of one's turn in the world
     gaze: tuple[int, ...] = ()

@@ -11,15 +11,12 @@ from ..base import Declared, InputError, Number, names_in, one_of, option
 # Kinds of `poses.synth`, in words.
 MOTIONS = "still, look-around, reversals, walk, fast-turns, forward, backward, sideways or rotate"
 # Predictors of the head, each with the file of poses/predictors that has it.
-PREDICTORS = dict.fromkeys(("cautious", "cav", "constant_velocity", "none", "on"), "cautious")
+PREDICTORS = dict.fromkeys(("cautious", "constant_velocity", "none"), "cautious")
 DEFAULT_PREDICTOR = "cautious"  # errs short, see docs/results-link.md
 FRAMES = "frames"
 TIME_UNITS = ("s", "ms", "us", "ns", "100ns", FRAMES)
-_QUAT_ORDERS = ("xyzw", "wxyz")
 DIRECT, INVERSE = "direct", "inverse"
 ROWS, COLUMNS = "rows", "columns"
-
-
 VECTOR = "vector"
 
 
@@ -62,11 +59,9 @@ class TraceOptions(Declared):
         None, f"Read the trace as this format: {names_in('poses/formats')}; by default it is detected."
     )
     quat_order: str | None = option(
-        None, "Order of quaternions, xyzw or wxyz, where the file does not say.", valid=one_of(*_QUAT_ORDERS)
+        None, "Order of quaternions, xyzw or wxyz, where the file does not say.", valid=one_of("xyzw", "wxyz")
     )
-    up: str | None = option(  # See `reading.axes.parse_axes`
-        None, "What is up in the file: an axis (y, z, -z); right,up,forward (x,z,y); or a direction (0.04,0.95,0.3)."
-    )
+    up: str | None = option(None, "What is up in a file whose world is tilted: a direction (0.04,0.95,0.3).")
     axes: str | None = option(
         None, "Axes of the file: a preset (hmdwarp list axes), or world=right,up,forward head=right,up,forward."
     )
@@ -85,7 +80,7 @@ class TraceOptions(Declared):
     columns: str | None = option(  # See `reading.layouts.stated_layout`
         None,
         "Which columns to read, by name or number from 1: t=1,p=2+3+4,q=5+6+7+8 (x y z w); in place of q, m=2-17 (a "
-        "matrix), r=5+6+7 (a rotation vector) or e=5+6+7 (with --euler).",
+        "matrix) or e=5+6+7 (with --euler).",
     )
     time_column: str | None = option(
         None, "The column of the clock, by name or number from 1; of frames with --trace-rate."

@@ -134,7 +134,7 @@ def error_row(track: PoseTrack, latency_ms: int) -> dict[str, Any]:
     truth = track.sample_many(now).orientation_xyzw
     then = now - latency
     row: dict[str, Any] = {"latency_ms": latency_ms, "count": len(now)}
-    for predictor in sorted((p for p in predictors if not p.alias_of), key=lambda p: p.horizon_ns):
+    for predictor in sorted(predictors, key=lambda p: p.horizon_ns):
         predicted = predictor.predict_many(track, then, latency).orientation_xyzw
         missed = np.linalg.norm(np.degrees(quaternions.vector_between(truth, predicted)), axis=-1)
         mean = float(missed.mean()) if len(missed) else math.nan
@@ -167,11 +167,9 @@ def _percentiles(values: Array, wanted: tuple[float, ...]) -> dict[str, float]:
 def trace_as_json(loaded: LoadedTrace, figures: dict[str, Any]) -> dict[str, Any]:
     """Return what `trace info --json` prints. figures: of `analyse`."""
     return {
-        **{"trace": str(loaded.path), "format": loaded.format, "origin": loaded.track.origin},
-        **{"axes": loaded.axes, "columns": loaded.columns},
-        **{"clock": loaded.time_unit, "clock_starts_s": loaded.track.epoch_ns / 1e9},
-        **figures,
+        "trace": str(loaded.path), "format": loaded.format, "origin": loaded.track.origin, "axes": loaded.axes,
+        "columns": loaded.columns, "clock": loaded.time_unit, "clock_starts_s": loaded.track.epoch_ns / 1e9, **figures,
         "segments": [attrs.asdict(segment) for segment in loaded.segments],
         "assumptions": assumption_rows(loaded.assumptions),
         "defects": [attrs.asdict(defect) for defect in loaded.defects],
-    }
+    }  # fmt: skip

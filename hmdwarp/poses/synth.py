@@ -26,8 +26,8 @@ from numpy.typing import NDArray
 from ..base import InputError, unknown_name
 from ..geometry import Pose
 from . import quaternions
+from .formats import write_native
 from .track import Origin, PoseSample, PoseTrack
-from .writing import write_native
 
 EYE_HEIGHT_M = 1.6
 _START = (0.0, EYE_HEIGHT_M, 0.0)
@@ -37,78 +37,54 @@ STEEPEST_RAD = math.radians(89.0)
 # smooth turn; more would be noticeable. 80 ms: a step's start and stop.
 TURN_S, WALK_S = 0.020, 0.080
 HORIZON_NS = 50_000_000
-GRID_NS = 4_000_000
 KEPT_NS = 250_000_000
 # No input for this long means that the program was suspended, or busy with a new scene.
 DEAF_NS = 1_000_000_000
-_STILL_M_S, STILL_RAD = 1e-6, 1e-9
 
 
 @attrs.frozen(eq=False)
 class _State:
-    """State of the head and its last input at `time_ns`."""
+    """The head at an input's instant, and where it leads until the next."""
 
     time_ns: int
-    position: tuple[float, ...]
+    position: tuple[float, ...] = _START
     velocity: tuple[float, ...] = (0.0, 0.0, 0.0)
-    yaw: float = 0.0
-    pitch: float = 0.0
-    yaw_goal: float = 0.0
-    pitch_goal: float = 0.0
-    wish: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m/s to the right, up and forward of the gaze
-
-    @property
-    def at_rest(self) -> bool:
-        turned = self.yaw == self.yaw_goal and self.pitch == self.pitch_goal
-        return turned and not any(self.wish) and not any(self.velocity)
+    turned: tuple[float, ...] = (0.0, 0.0)  # yaw, pitch
+    goal: tuple[float, float] = (0.0, 0.0)  # of these
+    wish: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m/s to the right, up and forward of the goal
 
     def after(self, time_ns: int) -> _State:
-        """Return the state without further input: first-order lags, exact, heading at its mean."""
+        """Return the state without further input: first-order lags, exact."""
         seconds = (time_ns - self.time_ns) * 1e-9
-        turned, half = math.exp(-seconds / TURN_S), math.exp(-seconds / (2 * TURN_S))
-        slowed = math.exp(-seconds / WALK_S)
-        heading = self.yaw_goal + (self.yaw - self.yaw_goal) * half
-        sine, cosine, (right, up, forward) = math.sin(heading), math.cos(heading), self.wish
+        late, slow = math.exp(-seconds / TURN_S), math.exp(-seconds / WALK_S)
+        sine, cosine, (right, up, forward) = math.sin(self.goal[0]), math.cos(self.goal[0]), self.wish
         wish = right * cosine - forward * sine, up, -right * sine - forward * cosine
         axes = list(zip(self.position, self.velocity, wish, strict=True))
         return attrs.evolve(
-            self, time_ns=time_ns, velocity=tuple(u + (v - u) * slowed for _, v, u in axes),
-            position=tuple(x + u * seconds + (v - u) * WALK_S * (1 - slowed) for x, v, u in axes),
-            yaw=self.yaw_goal + (self.yaw - self.yaw_goal) * turned,
-            pitch=self.pitch_goal + (self.pitch - self.pitch_goal) * turned,
+            self, time_ns=time_ns, velocity=tuple(u + (v - u) * slow for _, v, u in axes),
+            position=tuple(x + u * seconds + (v - u) * WALK_S * (1 - slow) for x, v, u in axes),
+            turned=tuple(goal + (angle - goal) * late for angle, goal in zip(self.turned, self.goal, strict=True)),
         )  # fmt: skip
-
-    def settled(self) -> _State:
-        """Return it without residual motion, which an exponential never loses."""
-        halted = not any(self.wish) and max(map(abs, self.velocity)) < _STILL_M_S
-        state = attrs.evolve(self, velocity=(0.0, 0.0, 0.0)) if halted else self
-        turned = max(abs(self.yaw - self.yaw_goal), abs(self.pitch - self.pitch_goal)) < STILL_RAD
-        return attrs.evolve(state, yaw=self.yaw_goal, pitch=self.pitch_goal) if turned else state
-
-    def pose(self) -> Pose:
-        (sy, cy), (sp, cp) = ((math.sin(angle / 2), math.cos(angle / 2)) for angle in (self.yaw, self.pitch))
-        return Pose(self.position, (cy * sp, sy * cp, -sy * sp, cy * cp))  # y after the head's x: never any roll
 
 
 class Walker:
     """A head at eye height that turns and walks smoothly on command.
 
     Every input has its time; `advance` says that no more came until then. The path is a function of
-    these alone, bit for bit: it is computed on a grid of its own, however often it is sampled.
+    these alone, bit for bit, however often it is sampled. It walks along where it is turning to.
     Angles: yaw to the left, pitch up, radians; pitch within 89 degrees. An earlier time than the
     latest known counts as that.
     """
 
     def __init__(self, time_ns: int) -> None:
         self._now_ns, self._recentred = time_ns, 0
-        self._states = deque([_State(time_ns, _START)])
+        self._states = deque([_State(time_ns)])
 
     def turn(self, time_ns: int, yaw_rad: float, pitch_rad: float) -> None:
         """Turn this much further to the left and up."""
         self.advance(time_ns)
-        last = self._states[-1]
-        pitch_goal = min(max(last.pitch_goal + pitch_rad, -STEEPEST_RAD), STEEPEST_RAD)
-        self._input(yaw_goal=last.yaw_goal + yaw_rad, pitch_goal=pitch_goal)
+        yaw, pitch = self._states[-1].goal
+        self._input(goal=(yaw + yaw_rad, min(max(pitch + pitch_rad, -STEEPEST_RAD), STEEPEST_RAD)))
 
     def walk(
         self, time_ns: int, right: float = 0.0, up: float = 0.0, forward: float = 0.0, *, fast: bool = False
@@ -125,41 +101,36 @@ class Walker:
         """Jump back to the start, looking ahead; walking continues."""
         self._now_ns = max(time_ns, self._now_ns)
         self._recentred += 1
-        self._states = deque([_State(self._now_ns, _START, wish=self._states[-1].wish)])
+        self._states = deque([_State(self._now_ns, wish=self._states[-1].wish)])
 
     def advance(self, now_ns: int) -> None:
         """Note that there was no input until now."""
         if now_ns - self._now_ns > DEAF_NS:
             self._input(wish=(0.0, 0.0, 0.0))
         self._now_ns = max(now_ns, self._now_ns)
-        last = self._states[-1]
-        while not last.at_rest and (tick_ns := (last.time_ns // GRID_NS + 1) * GRID_NS) <= self._now_ns:
-            last = last.after(tick_ns).settled()
-            self._states.append(last)
-        while len(self._states) > 1 and self._states[1].time_ns < self._now_ns - KEPT_NS:
-            self._states.popleft()
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """Return world_from_head, exact for the last quarter of a second (HELD before that).
+        """Return world_from_head, exact for the last quarter of a second at least, then HELD.
 
         The future is PREDICTED as if no input came, for 50 ms at most: the lags go on, so the head
         never overshoots when the hand stops.
         """
-        if time_ns > self._now_ns:
-            state, origin = self._known(self._now_ns).after(min(time_ns, self._now_ns + HORIZON_NS)), Origin.PREDICTED
-        elif time_ns < self._states[0].time_ns:
-            state, origin = self._states[0], Origin.HELD
-        else:
-            state, origin = self._known(time_ns), Origin.INTERPOLATED
-            origin = Origin.MEASURED if time_ns == self._now_ns else origin
-        return PoseSample(time_ns, state.pose(), origin, read_ns=self._now_ns, space=self._recentred)
-
-    def _known(self, time_ns: int) -> _State:
-        return self._states[bisect_right(self._states, time_ns, key=lambda state: state.time_ns) - 1].after(time_ns)
+        known_ns = min(time_ns, self._now_ns + HORIZON_NS)
+        i = bisect_right(self._states, known_ns, key=lambda state: state.time_ns) - 1
+        state, origin = self._states[0], Origin.HELD
+        if i >= 0:
+            state, origin = self._states[i].after(known_ns), Origin.INTERPOLATED
+        if time_ns >= self._now_ns:
+            origin = Origin.MEASURED if time_ns == self._now_ns else Origin.PREDICTED
+        (sy, cy), (sp, cp) = ((math.sin(angle / 2), math.cos(angle / 2)) for angle in state.turned)
+        pose = Pose(state.position, (cy * sp, sy * cp, -sy * sp, cy * cp))  # y after the head's x: never any roll
+        return PoseSample(time_ns, pose, origin, read_ns=self._now_ns, space=self._recentred)
 
     def _input(self, **changes: Any) -> None:
         """Change the state at the latest known instant."""
         self._states.append(attrs.evolve(self._states[-1].after(self._now_ns), **changes))
+        while self._states[1].time_ns <= self._now_ns - KEPT_NS:
+            self._states.popleft()
 
 
 Array = NDArray[np.float64]
@@ -191,10 +162,10 @@ class Motion:
     neck_to_eyes_m: Array = _NECK_TO_EYES_M  # zeros for a head that turns about its eyes
 
 
-_LEAST = 1e-3  # of a glide's speed and amplitude
+# Of a glide: `room`, the largest shipped scene, can be walked in to 1.6 m from
+# where a head begins.
+_LEAST = 1e-3
 EASE_S = 0.2  # 0.5 m/s is reached at 4.7 m/s2 at most, as a person sets off
-# `room`, the largest shipped scene, can be walked in to 1.6 m from where a head begins.
-_MOST = {"m": (5.0, 1.5), "degrees": (720.0, 360.0)}
 
 
 @attrs.frozen
@@ -206,22 +177,18 @@ class Glide:
     Errors of `with_`: InputError for a speed or amplitude out of range.
     """
 
-    speed: float  # at most, in `unit` per second
-    amplitude: float  # distance of the turning point from the start, in `unit`
+    speed: float  # at most, in m or degrees per second
+    amplitude: float  # distance of the turning point from the start, in m or degrees
     direction: Sequence[float] | None = None  # of the way out, as a unit vector; None turns to the left
-
-    @property
-    def unit(self) -> str:  # of the amplitude
-        return "degrees" if self.direction is None else "m"
 
     def with_(self, speed: float | None, amplitude: float | None) -> Glide:
         """Return it with another speed or amplitude; None keeps its own."""
         speed, amplitude = self.speed if speed is None else speed, self.amplitude if amplitude is None else amplitude
-        fastest, farthest = _MOST[self.unit]
+        unit, fastest, farthest = ("degrees", 720.0, 360.0) if self.direction is None else ("m", 5.0, 1.5)
         if not _LEAST <= speed <= fastest:
-            raise InputError(f"speed {speed:g} {self.unit} per second: expected {_LEAST:g} to {fastest:g}")
+            raise InputError(f"speed {speed:g} {unit} per second: expected {_LEAST:g} to {fastest:g}")
         if not _LEAST <= amplitude <= farthest:
-            raise InputError(f"amplitude {amplitude:g} {self.unit}: expected {_LEAST:g} to {farthest:g}")
+            raise InputError(f"amplitude {amplitude:g} {unit}: expected {_LEAST:g} to {farthest:g}")
         return attrs.evolve(self, speed=speed, amplitude=amplitude)
 
     @property
@@ -321,10 +288,7 @@ def minimum_jerk(share: Array) -> Array:
 
 
 def _sum_of(shifts: list[Shift], t: Array) -> Array:
-    out = np.zeros_like(t)
-    for start, length, amount in shifts:
-        out += amount * minimum_jerk((t - start) / length)
-    return out
+    return sum((amount * minimum_jerk((t - start) / length) for start, length, amount in shifts), np.zeros_like(t))
 
 
 def _between(rng: random.Random, low: float, high: float) -> float:
@@ -344,9 +308,8 @@ def _sines(rng: random.Random, t: Array, amplitude: float, low_hz: float, high_h
 
 def _sway(rng: random.Random, t: Array, size: float = 1.0) -> Array:
     """Return a standing person's neck. Source: Winter 1995, Human balance and posture control."""
-    sway = np.stack(
-        [_sines(rng, t, 0.012, 0.1, 0.9), _sines(rng, t, 0.003, 0.2, 0.6), _sines(rng, t, 0.022, 0.1, 0.9)], axis=1
-    )
+    sizes = (0.012, 0.1, 0.9), (0.003, 0.2, 0.6), (0.022, 0.1, 0.9)
+    sway = np.stack([_sines(rng, t, *each) for each in sizes], axis=1)
     return np.asarray(size * sway + np.array(_START) - _NECK_TO_EYES_M)
 
 

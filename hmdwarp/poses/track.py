@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 import operator
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from numbers import Real
 from typing import Any, Protocol, runtime_checkable
 
@@ -22,8 +23,6 @@ SACCADE_DEG_S = 100.0
 SHORTEST_GAP_NS = 100_000_000
 UNIT_WITHIN = 1e-2  # a file's quaternion whose length is off by more is no rotation
 _UNIT_AS_IS = 1e-15  # |q|^2 off by less than this is rounding: such quaternions stay bit for bit unchanged
-
-
 Gaze = tuple[float, float, float]
 
 
@@ -60,38 +59,30 @@ def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
 
 
 def _times(value: ArrayLike) -> NDArray[np.int64]:
-    found = in_brief(value)
-    try:
+    with suppress(*NO_NUMBERS):
         array = np.asarray(value)
         if array.ndim == 1 and array.dtype.kind in "iu":
             return array.astype(np.int64)
-        found = f"{array.dtype} of shape {array.shape}"
-    except NO_NUMBERS:
-        pass
-    raise TraceError(f"time_ns: expected a row of integers, found {found}")
-
-
-def _tuple_of(kind: type, value: Iterable[Any], what: str) -> tuple[Any, ...]:
-    try:
-        return tuple(map(kind, value))
-    except NO_NUMBERS as error:
-        raise TraceError(f"{what}, found {in_brief(value)}") from error
+    raise TraceError(f"time_ns: expected a row of integers, found {in_brief(value)}")
 
 
 def _texts(value: Iterable[str]) -> tuple[str, ...]:
-    return _tuple_of(str, value, "notes: expected texts")
+    with suppress(*NO_NUMBERS):
+        return tuple(map(str, value))
+    raise TraceError(f"notes: expected texts, found {in_brief(value)}")
 
 
 def _jumps(value: Iterable[int]) -> tuple[int, ...]:
-    return _tuple_of(int, value, "jumps: expected indices of samples")
+    with suppress(*NO_NUMBERS):
+        return tuple(map(int, value))
+    raise TraceError(f"jumps: expected indices of samples, found {in_brief(value)}")
 
 
 def _floats(value: ArrayLike) -> NDArray[np.float64]:
     """Return an array of its own: the caller's stays writeable. Errors: TraceError."""
-    try:
+    with suppress(*NO_NUMBERS):
         return np.array(value, dtype=np.float64)
-    except NO_NUMBERS as error:
-        raise TraceError(f"expected rows of numbers, found {in_brief(value)}") from error
+    raise TraceError(f"expected rows of numbers, found {in_brief(value)}")
 
 
 @attrs.frozen(eq=False)
@@ -337,30 +328,26 @@ class PoseSource(Protocol):
     """A source of head poses: a recording, a mouse, a headset."""
 
     def start(self) -> None:
-        """Prepare; called once before the first `head_at`."""
+        """Prepare; called once before the first `head_at`. Nothing by default."""
+        return
 
     def head_at(self, time_ns: int) -> PoseSample:
         """Return world_from_head at an instant of this source's clock."""
 
     def close(self) -> None:
-        """Release devices; safe to call twice."""
+        """Release devices; safe to call twice. Nothing by default."""
+        return
 
 
-class RecordedSource:
+class RecordedSource(PoseSource):
     """A recorded track as a source: the same instant always gives the same pose."""
 
     def __init__(self, track: PoseTrack) -> None:
         self.track = track
 
-    def start(self) -> None:
-        """Do nothing: a recording is ready."""
-
     def head_at(self, time_ns: int) -> PoseSample:
         """Return `PoseTrack.at`: interpolated, HELD outside the recording and within its gaps."""
         return self.track.at(time_ns)
-
-    def close(self) -> None:
-        """Do nothing: a recording holds no device."""
 
 
 class LoopedSource(RecordedSource):

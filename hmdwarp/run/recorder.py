@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ..base import HmdwarpError, MachineError, __version__
 from ..poses import Origin, PoseSample
-from ..poses.writing import header_text, row_text
+from ..poses.formats import header_text, row_text
 from ..report import counted, refuse_existing, write_error
 from ..scenes import INPUTS_HEADER, InputEvent, inputs_beside
 

@@ -96,8 +96,6 @@ def verdict(layout: Layout, truth: PoseTrack, folder: Path) -> tuple[str, str]:
             said = " ".join(str(d) for d in loaded.defects if d.kind.endswith(("contradicted", "implausible", "tilt")))
             failed = OPTION
         named = next((name for name in layout.stated if name not in stated and _flag(name) in said), None)
-        if named is None and "--axes" in said and "up" in layout.stated:
-            named = "up"  # the same by another option
         if named is None:
             return WRONG, ""
         outcome = REFUSED if REFUSED in (outcome, failed) else OPTION

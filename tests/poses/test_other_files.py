@@ -81,7 +81,9 @@ def test_a_file_is_read_right_and_as_it_was(name):
 
 
 def test_columns_stated_as_a_vector_are_read():
-    loaded = load_trace(FILES / "vector-called-angles.csv", TraceOptions(columns="t=1,p=2+3+4,r=5+6+7"))
+    loaded = load_trace(
+        FILES / "vector-called-angles.csv", TraceOptions(columns="t=1,p=2+3+4,e=5+6+7", euler="vector,rad")
+    )
     assert np.abs(loaded.track.orientation_xyzw - head(16).orientation_xyzw).max() < 1e-6
     assert by(loaded, "columns") is By.USER
 

@@ -299,18 +299,3 @@ def test_slerp_at_the_ends_of_its_formula(angle):
         got = np.array(quaternions.slerp(a, b, share))
         assert abs(np.linalg.norm(got) - 1) <= 1e-15
         assert abs(2 * np.arcsin(min(np.linalg.norm(got - a) / 2, 1)) * 2 - share * angle) <= 1e-7 * angle
-
-
-@given(st.lists(st.booleans(), min_size=1, max_size=30))
-def test_signs_become_continuous_without_changing_a_rotation(flips):
-    smooth = quaternions.from_rotation_vector(np.linspace(0, 5, len(flips))[:, None] * np.array([0.1, 1.0, 0.2]))
-    flipped = np.where(np.array(flips)[:, None], -smooth, smooth)
-    mended = flipped.copy()
-    changes = sum(a != b for a, b in zip(flips, flips[1:], strict=False))
-    if len(flips) > 10:  # steps are then below 90 degrees of quaternion arc, so a negative product can only be a flip
-        assert len(quaternions.make_continuous(mended)) == changes
-    else:
-        quaternions.make_continuous(mended)
-    assert (np.einsum("ij,ij->i", mended[1:], mended[:-1]) >= 0).all()
-    assert np.array_equal(np.abs(mended), np.abs(flipped))
-    assert np.array_equal(mended[0], flipped[0])

@@ -26,7 +26,7 @@ from hmdwarp.poses.synth import (
 )
 
 MS = 1_000_000
-BEGIN_NS = 123_456_789_012_345  # no multiple of the grid, and as large as a machine's clock gets
+BEGIN_NS = 123_456_789_012_345  # as large as a machine's clock gets
 
 angle = st.floats(-1.0, 1.0)
 axis = st.sampled_from((-1.0, 0.0, 1.0))
@@ -129,10 +129,7 @@ def test_prediction_comes_true_without_further_input():
     walker.advance(then)
     came = walker.head_at(then)
     assert came.origin is Origin.MEASURED
-    # Angles are solved exactly. Places take the mean heading of one step of 50 ms for many short
-    # ones: the way is 7 cm at most, and the heading turns by 0.3 rad at most meanwhile.
-    assert expected.pose.isclose(came.pose, atol=0.07 * 0.3)
-    assert (expected.pose.rotation.inv() * came.pose.rotation).magnitude() < 1e-12
+    assert expected.pose.isclose(came.pose, atol=0)
     far = Walker(0)
     far.walk(0, forward=1.0)
     assert far.head_at(10_000 * MS).pose.isclose(far.head_at(HORIZON_NS).pose, atol=0)  # no further than 50 ms ahead
@@ -140,19 +137,16 @@ def test_prediction_comes_true_without_further_input():
 
 def test_past_is_remembered_for_a_quarter_of_a_second():
     walker, before = Walker(0), {}
-    walker.walk(0, right=1.0)
     for t in range(0, 800, 5):
-        walker.advance(t * MS)
+        walker.walk(t * MS, right=1.0 if t % 10 else -1.0)
         before[t] = walker.head_at(t * MS).pose
     for t in (795, 700, 620, 555):
         sample = walker.head_at(t * MS)
         assert sample.pose.isclose(before[t], atol=1e-15)
         assert sample.origin is (Origin.MEASURED if t == 795 else Origin.INTERPOLATED)
     long_ago = walker.head_at(0)
-    assert long_ago.origin is Origin.HELD
-    kept = before[795 - KEPT_NS // MS].position_m[0]
-    assert long_ago.pose.position_m[0] == pytest.approx(kept, abs=WALK_M_S * 0.006)  # a grid step
-    assert len(walker._states) <= KEPT_NS // 4_000_000 + 3
+    assert long_ago.origin is Origin.HELD and long_ago.pose.isclose(before[795 - KEPT_NS // MS], atol=0)
+    assert len(walker._states) == KEPT_NS // MS // 5 + 1
 
 
 def test_a_program_that_was_stopped_does_not_walk_on():

@@ -384,7 +384,7 @@ def steady(deg_s: float) -> PoseTrack:
 
 @pytest.fixture
 def turning(tmp_path):
-    from hmdwarp.poses.writing import write_native
+    from hmdwarp.poses.formats import write_native
 
     path = tmp_path / "turning.csv"
     with path.open("w") as stream:

@@ -16,7 +16,7 @@ from hmdwarp.base import InputError
 from hmdwarp.experiments.sweep import ClusterOptions
 from hmdwarp.metrics import QUALITY
 from hmdwarp.poses import load_trace
-from hmdwarp.poses.writing import write_native
+from hmdwarp.poses.formats import write_native
 from hmdwarp.run import RunOptions, measured, replay, set_up_replay
 from hmdwarp.study import MeasureOptions, measure_study
 from hmdwarp.study.design import Show, design_from_text, load_design, steps_of

@@ -113,8 +113,8 @@ class BenchOptions(RecordedOptions):
     predict: str = same_as(
         _RUN.predict,
         DEFAULT_PREDICTOR,
-        help=f"Head pose that the server draws for, by predictor: {', '.join(PREDICTORS)}; on is cautious, and "
-        "cav constant_velocity. All warps have the same late frames.",
+        help=f"Head pose that the server draws for, by predictor: {', '.join(PREDICTORS)}. All warps have the same "
+        "late frames.",
     )
     horizon_ms: float | None = same_as(_RUN.horizon_ms)
     # Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800

@@ -1,24 +1,72 @@
-"""Trace formats: a table each, recognised by what a file holds; and a trace read by one of them."""
+"""Trace formats: a table each, recognised by what a file holds; a trace read or written by one."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
 
 import attrs
+import numpy as np
+from numpy.typing import NDArray
 
 from ...base import InputError, Registry, TraceError, folder, recording_names, unknown_name
+from ...geometry import Pose
 from ..assumptions import DIRECTION, Assumption, By, Defect, Fact, Layout
 from ..options import TraceOptions
 from ..reading import columns
 from ..reading.axes import OPENXR, parse_axes
 from ..reading.cleaning import UNIT_NAMES, LoadedTrace, clean
 from ..reading.columns import Head, is_number
-from ..reading.text_table import RowReader, read_head
+from ..reading.text_table import read_head, read_rows
 from ..track import PoseTrack
-from ..writing import WRITERS
+
+COLUMNS = ("time_ns", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
+GAZE = ("gaze_x", "gaze_y", "gaze_z")
+AXES = "world_from_head in OpenXR axes: right-handed, +x right, +y up, -z forward, metres; quaternion x y z w"
+_BLOCK = 65536  # rows written at a time
+
+
+def _write_rows(
+    track: PoseTrack, stream: IO[str], separator: str, order: str, *,
+    seconds: bool = False, decimals: tuple[int, int] | None = None, gaze: NDArray[np.float64] | None = None,
+) -> None:  # fmt: skip
+    # What restores the recording's own clock, if readers take that.
+    offset = track.epoch_ns if abs(track.epoch_ns) + max(abs(track.start_ns), abs(track.end_ns)) < 2**62 else 0
+    columns, row = ["xyzw".index(c) for c in order], ""
+    for a in range(0, len(track), _BLOCK):
+        part = slice(a, a + _BLOCK)
+        position, orientation = track.position_m[part], track.orientation_xyzw[part][:, columns]
+        if gaze is not None:
+            orientation = np.hstack([orientation, np.nan_to_num(gaze[part])])
+        if decimals is not None:  # + 0.0 turns a rounded -0.0 into 0.0
+            position, orientation = np.round(position, decimals[0]) + 0.0, np.round(orientation, decimals[1]) + 0.0
+            row = separator.join([f"%.{decimals[0]}f"] * 3 + [f"%.{decimals[1]}f"] * orientation.shape[1])
+        for time, p, q in zip(track.time_ns[part].tolist(), position.tolist(), orientation.tolist(), strict=True):
+            ns = time + offset
+            stamp = f"{'-' * (ns < 0)}{abs(ns) // 10**9}.{abs(ns) % 10**9:09d}" if seconds else ns
+            stream.write(f"{stamp}{separator}{row % (*p, *q) if row else separator.join(map(repr, p + q))}\n")
+
+
+def write_native(track: PoseTrack, stream: IO[str], decimals: tuple[int, int] | None = None) -> None:
+    """Write header, column names, rows. decimals: of positions, quaternions; None for every bit."""
+    columns = COLUMNS if track.gaze is None else (*COLUMNS, *GAZE)
+    stream.write(header_text(track.origin, track.rate_hz, track.notes, columns))
+    _write_rows(track, stream, ",", "xyzw", decimals=decimals, gaze=track.gaze)
+
+
+def header_text(origin: str, rate_hz: float, notes: Iterable[str] = (), columns: Iterable[str] = COLUMNS) -> str:
+    """Return what is above the rows. origin: of the motion, in words. notes: for readers."""
+    head = ["hmdwarp head trace", f"origin: {origin or 'not told'}", f"rate: {rate_hz:.6g} Hz", f"axes: {AXES}", *notes]
+    # One line each: a note with a newline in it would become a row.
+    return "".join(f"# {' '.join(text.split())}\n" for text in head) + ",".join(columns) + "\n"
+
+
+def row_text(time_ns: int, pose: Pose) -> str:
+    """Return one sample in full precision, for a trace that is written while it grows."""
+    numbers = (*pose.position_m.tolist(), *pose.orientation_xyzw.tolist())
+    return f"{time_ns},{','.join(map(repr, numbers))}\n"
 
 
 class TraceFormat:
@@ -30,18 +78,15 @@ class TraceFormat:
     name = ""  # the name of the format
     summary = ""  # one line for people
     kind: str = ""  # of the table that such files are made into, see `reading.columns.Made`
-    file: str = ""  # what such a file is called, for errors
-    header: tuple[str, ...] = ()  # names of columns that every such file has
+    header: Sequence[str] = ()  # names of columns that every such file has
     first_words = False  # whether `header` holds the first words of names alone
-    likelihood = 90  # of a file with that header, see `sniff`
     facts: Mapping[str, Any] = {}  # what the format states: fields of Layout
     order = ""  # of an orientation's numbers, in words; "": as the names of its columns say
     order_by = By.FILE
-    bare_order = ""  # of quaternions in files without a header: xyzw or wxyz; "" where there are none
-    bare: Mapping[str, Any] = {}  # separator and widths of files of numbers alone that are likely of it
+    bare: Mapping[str, Any] = {}  # separator, widths and order of quaternions of files of numbers alone
     recognised = ""  # by one of `reading.columns.SNIFFS`
     read_as = ""  # one of `reading.columns.LAYOUTS`
-    written_as = ""  # one of `writing.WRITERS`
+    written_as = ""  # "native" or "text"
     written: Mapping[str, Any] = {}  # what that has to know
     writes = False  # whether `write` works
 
@@ -55,15 +100,14 @@ class TraceFormat:
             same = (head.separator or "") == self.bare["separator"] and head.width in self.bare["widths"]
             return 5 if same and all(is_number(field) for field in head.rows[0]) else 0
         found = {name.split(" ")[0] if self.first_words else name for name in head.names}
-        return self.likelihood if self.header and set(self.header) <= found else 0
+        return 90 if self.header and set(self.header) <= found else 0
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         """Return the meaning of the columns. Errors: TraceError when a required one is missing."""
         if self.read_as:
             return columns.LAYOUTS[self.read_as](head, options, self.facts)
-        if not head.names and self.bare_order:
-            unit = self.facts.get("unit") if options.format else None
-            return columns.unnamed_layout(head, options, self.name, self.bare_order, unit)
+        if not head.names and self.bare:
+            return columns.unnamed_layout(head, options, self.bare["order"], self.facts["unit"])
         return columns.named_layout(head, options, **{**self.facts, **({} if head.made is None else head.made.facts)})
 
     def assumes(self) -> tuple[Assumption, ...]:
@@ -74,20 +118,20 @@ class TraceFormat:
         scale_by = facts.get("scale_by", axes_by if axes.metres_per_unit else By.DEFAULT)
         clock = UNIT_NAMES[unit] if unit else "what makes a tracker's rate"
         way, way_by = DIRECTION[bool(facts.get("inverse"))], facts.get("direction_by", By.DEFAULT)
-        order = self.order or f"as the names say{f', {self.bare_order} without a header' if self.bare_order else ''}"
+        order = "as the names say" + (f", {self.bare['order']} without a header" if self.bare else "")
         return (
             Assumption(Fact.CLOCK, clock, By.FORMAT if unit else By.DEFAULT),
             Assumption(Fact.LENGTH, f"{scale:g} m per unit", scale_by, "--scale"),
             Assumption(Fact.AXES, axes.label(), axes_by, "--axes"),
-            Assumption(Fact.ORIENTATION, order, facts.get("order_by", self.order_by), "--quat-order"),
+            Assumption(Fact.ORIENTATION, self.order or order, facts.get("order_by", self.order_by), "--quat-order"),
             Assumption(Fact.POSE, way, way_by, "--pose"),
         )
 
     def read(self, head: Head, options: TraceOptions) -> LoadedTrace:
         """Return the clean track of a file. Errors: TraceError, InputError."""
         if self.kind and head.kind != self.kind:
-            what = self.file or f"file of format {self.name}"
-            raise TraceError(f"{head.path} is no {what} ({head.describe()}): leave --format out, or name its own")
+            what = f"no file of format {self.name} ({head.describe()})"
+            raise TraceError(f"{head.path} is {what}: leave --format out, or name its own")
         layout = columns.with_clock(head, self.layout(head, options), options)
         stated = (text.partition(":") for _, text in head.comments)  # such as "# axes: tum-rgbd"
         for value in (value for key, _, value in stated if key.strip().lower() == "axes"):
@@ -96,13 +140,18 @@ class TraceFormat:
                 parse_axes(axes)
                 layout = attrs.evolve(layout, axes=axes, axes_by=By.FILE)
                 break
-        return clean(RowReader(head, layout, options).read(), self.name)
+        return clean(read_rows(head, layout, options), self.name)
 
     def write(self, track: PoseTrack, stream: IO[Any]) -> None:
         """Write a track so that reading it gives the same poses bit for bit."""
         if not self.written_as:
             raise TraceError(f"format {self.name} is read, not written")
-        WRITERS[self.written_as](track, stream, **self.written)
+        if self.written_as == "native":
+            write_native(track, stream)
+        else:
+            written = dict(self.written)
+            stream.write(f"# axes: {OPENXR}\n{written.pop('names')}\n")
+            _write_rows(track, stream, **written)
 
 
 def _of_table(name: str, table: dict[str, Any]) -> TraceFormat:
@@ -110,11 +159,8 @@ def _of_table(name: str, table: dict[str, Any]) -> TraceFormat:
     facts: dict[str, Any] = {key: By(value) if key.endswith("_by") else value for key, value in said}
     if caveats := facts.get("caveats"):
         facts["caveats"] = tuple(Defect(**caveat) for caveat in caveats)
-    made = TraceFormat()
-    made.name, made.facts, made.header = name, facts, tuple(table.pop("header", ()))
-    made.order_by, made.writes = By(table.pop("order_by", made.order_by)), "written_as" in table
-    for field, value in table.items():
-        setattr(made, field, value)
+    made, order_by = TraceFormat(), By(table.pop("order_by", By.FILE))
+    vars(made).update(table, name=name, facts=facts, order_by=order_by, writes="written_as" in table)
     return made
 
 

@@ -26,7 +26,6 @@ class Predictor:
     # and nothing were known after it. For tracks without repeated poses.
     predict_many: Callable[[PoseTrack, NDArray[np.int64], int], Samples]
     horizon_ns: int = 0  # how far ahead of the last sample at most, by default
-    alias_of: str = ""  # the predictor that this is another name of
 
 
 predictors: Registry[Predictor] = Registry("predictor", __package__, modules=PREDICTORS)

@@ -51,13 +51,10 @@ def _turns_ns(ahead_ns: int) -> float:
 
 
 def _trusted(ways: Array, known: NDArray[np.bool_]) -> Array:
-    """Return the motion of the last window, (.., 3), scaled by 0..1: how far to trust it.
-
-    ways: rotation vectors or ways from _FROM to _TO, (1 + 2 k, .., 3). known: where there are poses
-    at _BACK_NS, (2 + 3 k, ..). A prediction from before counts as wrong by its whole length.
-    """
+    """Return the first way of those from _FROM to _TO, (.., 3), as far as it is to be trusted."""
     share, windows, came = TESTED_NS / WINDOW_NS, ways[1 : 1 + _COUNT], ways[1 + _COUNT :]
     moving = share * ways[0]
+    # known: at _BACK_NS, (2 + 3 k, ..). A prediction from before that is wrong by its whole length.
     missed = np.where(known[2 + 2 * _COUNT :, ..., None], share * windows - came, moving)
     squared = (moving * moving).sum(axis=-1)
     along = np.maximum((missed * moving).sum(axis=-1), 0.0)
@@ -134,13 +131,11 @@ def _cautious_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -
     return Samples(now_ns + ahead_ns, p[0] + moved, quaternions.multiply(turn, q[0]), predicted)
 
 
-_cautious = predictors.register(Predictor(
+predictors.register(Predictor(
     "cautious", "the speed of the last 30 ms fades, the sooner the more it has just overshot",
     "Gardner and McKenzie 1985, Forecasting Trends in Time Series: a damped trend; the confidence is our own",
     cautious, _cautious_many, HORIZON_NS,
 ))  # fmt: skip
-# For those who do not choose one.
-predictors.register(attrs.evolve(_cautious, name="on", alias_of=_cautious.name))
 
 
 # Of constant_velocity.
@@ -198,10 +193,8 @@ predictors.register(Predictor(
     "none", "the last known pose is held", "the baseline of every predictor", hold,
     lambda track, now_ns, ahead_ns: attrs.evolve(track.sample_many(now_ns), time_ns=now_ns + ahead_ns),
 ))  # fmt: skip
-_steady = predictors.register(Predictor(
+predictors.register(Predictor(
     "constant_velocity", "angular and linear velocity of the last 50 ms go on",
     "LaValle et al. 2014, Head tracking for the Oculus Rift: prediction at a constant angular rate",
     constant_velocity, _steady_many, _STEADY_HORIZON_NS,
 ))  # fmt: skip
-# The literature's short name, of constant angular velocity.
-predictors.register(attrs.evolve(_steady, name="cav", alias_of=_steady.name))

@@ -10,7 +10,7 @@ import itertools
 import math
 import operator
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import attrs
@@ -19,18 +19,16 @@ from numpy.typing import NDArray
 
 from ...base import InputError, Registry, TraceError
 from .. import quaternions
-from ..assumptions import AXES_BY, DIRECTION, Assumption, By, Fact
-from ..options import DIRECT, INVERSE
+from ..assumptions import AXES_BY, DIRECTION, Assumption, By, Fact, Layout
+from ..options import COLUMNS, DIRECT, INVERSE, ROWS, TraceOptions
 from ..track import PoseSample
+from .columns import columns_read
 from .text_table import Recording
 
 Array = NDArray[np.float64]
 
 OPENXR = "openxr"
 _AXES = {"x": (1.0, 0, 0), "y": (0, 1.0, 0), "z": (0, 0, 1.0)}
-# right, up, forward of the turn by a quarter (or half) that lifts the named axis to +y and moves
-# everything else as little as possible.
-_LIFTS = {"y": "x,y,-z", "-y": "x,-y,z", "z": "x,z,y", "-z": "x,-z,-y", "x": "-y,x,-z", "-x": "y,-x,-z"}
 _SYNTAX = "a preset of 'hmdwarp list axes', or world=right,up,forward head=right,up,forward (world=x,z,y head=x,-y,z)"
 _PARTS = re.compile(r"\b(world|head)\s*=\s*([^\s;]+)")
 
@@ -46,8 +44,10 @@ class Axes:
     head: Array  # (3, 3), the same in the axes of the file's head
     # xyzw, a turn of the world alone that follows (gravity set upright; the head's own axes stay)
     tilt: Array | None = None
-    name: str = ""  # the preset they come from
     metres_per_unit: float | None = None  # of files with these axes, if they state it
+    name: str = ""  # of axes that many files share, a preset
+    summary: str = ""
+    source: str = ""
 
     def __attrs_post_init__(self) -> None:
         if np.linalg.det(self.world) * np.linalg.det(self.head) < 0:
@@ -65,6 +65,11 @@ class Axes:
     def up(self) -> str:
         """Return the world's up as an axis of the file, for instance "z"."""
         return _axis_word(self.world[1])
+
+    @property
+    def reading(self) -> Array:
+        """Up of the world, up and forward of the head, (3, 3), as in _READINGS."""
+        return np.array([self.world[1], self.head[1], -self.head[2]])
 
     def apply(self, position: Array | None, orientation: Array) -> None:
         """Convert positions (n, 3) and quaternions (n, 4), in place.
@@ -87,23 +92,10 @@ class Axes:
                 position[:] = quaternions.rotate(self.tilt, position)
 
 
-@attrs.frozen
-class Preset:
-    """Axes that many files share, by name."""
-
-    name: str
-    summary: str
-    axes: Axes
-    source: str
-
-
-def _preset_of(name: str, table: dict[str, Any]) -> Preset:
-    world, head = _basis(table["world"]), _basis(table["head"])
-    axes = Axes(world, head, name=name, metres_per_unit=table.get("metres_per_unit"))
-    return Preset(name, table["summary"], axes, table["source"])
-
-
-presets: Registry[Preset] = Registry("axes preset", __package__.replace(".reading", ".presets"), of_table=_preset_of)
+presets: Registry[Axes] = Registry(
+    "axes preset", __package__.replace(".reading", ".presets"),
+    of_table=lambda name, told: Axes(_basis(told.pop("world")), _basis(told.pop("head")), name=name, **told),
+)  # fmt: skip
 
 
 def parse_axes(text: str) -> Axes:
@@ -122,30 +114,26 @@ def parse_axes(text: str) -> Axes:
         return Axes(_basis(text), _basis(text))
     if not re.fullmatch(r"[a-z][a-z0-9 _-]*", text):
         raise InputError(f"--axes '{text}': expected {_SYNTAX}")
-    return presets.get(re.sub(r"[ _]", "-", text)).axes
+    return presets.get(re.sub(r"[ _]", "-", text))
 
 
-def parse_up(text: str) -> Axes:
-    """Parse `--up`: an axis (y, z, -z, ..), or three numbers. Errors: InputError.
+def parse_up(text: str) -> Array:
+    """Parse `--up`, what is really up in a file of tilted gravity: the smallest turn there, xyzw.
 
-    An axis: world and head are both turned so that it becomes +y. Three numbers: what is really up
-    in a y-up file of tilted gravity; only the world is turned, by the smallest angle.
+    Errors: InputError.
     """
-    text = text.strip().lower().removeprefix("+")
-    if text in _LIFTS:
-        return parse_axes(_LIFTS[text])
     try:
         up = np.array([float(field) for field in text.split(",")])
     except ValueError:
         up = np.zeros(0)
     length = float(np.linalg.norm(up))
     if up.shape != (3,) or not (math.isfinite(length) and length > 1e-6):
-        wanted = "an axis (y, z, -z, x ...), or three numbers, not all zero (0.04,0.95,0.3)"
-        raise InputError(f"--up '{text}': expected {wanted}; --axes takes right,up,forward")
+        wanted = "three numbers, not all zero (0.04,0.95,0.3); --axes names axes (x,z,y where z is up)"
+        raise InputError(f"--up '{text}': expected {wanted}")
     up = up / length
     # The half-way quaternion from up to +y; straight down has no smallest turn, x is taken.
     half = np.array([-up[2], 0.0, up[0], 1.0 + up[1]]) if up[1] > -1 + 1e-12 else np.array([1.0, 0, 0, 0])
-    return Axes(np.eye(3), np.eye(3), tilt=half / np.linalg.norm(half))
+    return np.asarray(half / np.linalg.norm(half))
 
 
 def _basis(words: str) -> Array:
@@ -200,27 +188,57 @@ _JUMP_SPEED_RAD_S = np.radians(2000)
 _JUMP_ANGLE_RAD = np.radians(20)
 _JUMP_SPEED_M_S = 15.0
 _JUMP_DISTANCE_M = 0.25
-_BLOCK = 1_000_000
 # Readings, what axes mean for a head: up of the world, up and forward of the head, as signed unit
 # vectors of the file, (3, 3). Right follows, and directions on the ground are free.
 _SIGNED = np.concatenate([np.eye(3), -np.eye(3)])
 _READINGS = [np.array(three) for three in itertools.product(_SIGNED, repeat=3) if not three[1] @ three[2]]
 
 
-@attrs.frozen(eq=False)
 class Evidence:
     """What the poses of a file, in its own axes, say about which way is up and forward."""
 
-    upright: Array  # (3, 3), mean cosine between axis i of the world and axis j of the head
-    tips: Array  # (3, 3), mean square of that cosine
-    world_turns: Array  # (3,), share of the rotation about each axis of the world; zeros: too little
-    head_turns: Array  # (3,), the same about the head's axes
-    travel: Array  # (3,), mean direction of travel in the head's axes; zeros: no walk
-    climb: Array  # (3,), share of the way along each axis of the world; zeros: no walk
-    neck: Array  # (3,), unit vector from the neck to the tracked point, in the head's axes; zeros: unknown
-    height_m: Array  # (3,), mean position where it is steady along an axis, else 0
-    gravity: Array  # (3,), up by the file's gravity columns; zeros: none
-    path_m: float = 0.0  # the way that the head goes; 0 without positions
+    def __init__(self, time_ns: NDArray[np.int64], q: Array, p: Array | None, gravity: Array) -> None:
+        """Collect it of unit quaternions q (n, 4) and positions p (n, 3), about 0.1 s apart.
+
+        None is compared over a gap or teleport. gravity: down, (3,); zeros: unknown.
+        """
+        t, axes = time_ns * 1e-9, np.stack([quaternions.rotate(q, unit) for unit in np.eye(3)], axis=2)  # matrices
+        near = np.diff(t) < 5e-9 * _STEP_NS
+        self.upright = axes.mean(axis=0)  # (3, 3), mean cosine between axis i of the world and axis j of the head
+        self.tips = (axes**2).mean(axis=0)  # (3, 3), mean square of that cosine
+        self.gravity = -gravity / (np.linalg.norm(gravity) or 1.0)  # (3,), up; zeros: unknown
+        self.world_turns = self.head_turns = np.zeros(3)  # share of the rotation about each axis; zeros: too little
+        self.travel = np.zeros(3)  # mean direction of travel in the head's axes; zeros: no walk
+        self.climb = np.zeros(3)  # share of the way along each axis of the world; zeros: no walk
+        self.neck = np.zeros(3)  # unit vector from the neck to the tracked point, in the head's axes; zeros: unknown
+        self.height_m = np.zeros(3)  # mean position where it is steady along an axis, else 0
+        self.path_m = 0.0  # the way that the head goes; 0 without positions
+        vectors = quaternions.vector_between(q[:-1], q[1:])[near]
+        length = np.linalg.norm(vectors, axis=1)
+        vectors = vectors[length < 1.0]  # over 10 rad/s: a teleport
+        if len(vectors) >= _LEAST_STEPS and length[length < 1.0].sum() > _LEAST_TURNED_RAD:
+            in_head = np.einsum("nij,ni->nj", axes[:-1][near][length < 1.0], vectors)
+            self.world_turns, self.head_turns = _shares(vectors), _shares(in_head)
+        if p is None:
+            return
+        velocity = np.diff(p, axis=0)[near] / np.diff(t)[near][:, None]
+        speed = np.linalg.norm(velocity, axis=1)
+        self.path_m = float((speed * np.diff(t)[near]).sum())
+        walks = (speed > _WALKING_M_S) & (speed < _FASTEST_M_S)
+        if np.count_nonzero(walks) * 1e-9 * _STEP_NS > _WALKED_S:
+            unit = velocity[walks] / speed[walks][:, None]
+            self.travel = np.einsum("nij,ni->nj", axes[:-1][near][walks], unit).mean(axis=0)
+            self.climb = _shares(velocity[walks])
+        # Accelerations of the tracked point by a fixed lever in the head: p'' = R'' lever.
+        moved, turned = (part[:-2] - 2 * part[1:-1] + part[2:] for part in (p, axes))
+        calm = near[1:] & near[:-1] & (np.linalg.norm(moved, axis=1) < 0.5)
+        a, b = turned[calm].reshape(-1, 3), moved[calm].reshape(-1)
+        if calm.sum() >= _LEAST_STEPS and b.any():
+            lever = np.linalg.lstsq(a, b, rcond=None)[0]
+            explained, length_m = 1 - float(((a @ lever - b) ** 2).sum() / (b**2).sum()), float(np.linalg.norm(lever))
+            if explained > _EXPLAINED and _NECK_M[0] < length_m < _NECK_M[1]:
+                self.neck = lever / length_m
+        self.height_m = np.where(p.std(axis=0) < 0.25, p.mean(axis=0), 0.0)
 
     def weigh(self, reading: Array) -> tuple[float, str]:
         """Return a reading's points, one a criterion and gravity two, and what contradicts it."""
@@ -258,43 +276,33 @@ class Evidence:
         return max(self.weigh(reading)[0] for reading in _READINGS)
 
 
-@attrs.frozen(eq=False)
 class Verdict:
-    fault: str  # what contradicts them; "": nothing
-    better: Axes | None = None  # what fits best; None: nothing fits better
-    advice: str = "nothing else fits better: --axes or --up states them"
-    world_alone: bool = False  # the better ones turn the world alone: the head's are right
-    leaves_open: str = ""  # what the motion does not show, in words; "": it confirms the axes
-
-
-def judge(evidence: Evidence, axes: Axes) -> Verdict:
-    """Compare axes with all others: 6 ups of the world, 24 directions of the head.
+    """How axes compare with all others: 6 ups of the world, 24 directions of the head.
 
     Motion shows neither the hand of a file nor directions on the ground: a mirrored walk is a walk.
     """
-    here = _reading_of(axes)
-    own, fault = evidence.weigh(here)
-    weighed = [(*evidence.weigh(reading), reading) for reading in _READINGS]
-    top, _, best = max(weighed, key=operator.itemgetter(0))
-    if not fault or np.array_equal(best, here) or top - own < CLEAR / 2:
-        near = [r for score, other, r in weighed if score > own - CLEAR and not other and not np.array_equal(r, here)]
-        which = "which way the head looks" if near else ""
-        which = which if all(np.array_equal(r[:2], here[:2]) for r in near) else "which way is up"
-        return Verdict(fault, leaves_open=which)
-    fitting = [preset.axes for preset in presets if np.array_equal(_reading_of(preset.axes), best)]
-    up, crown, gaze = best
-    ahead = np.roll(np.abs(up), 1)  # on the ground, the next axis after up; all right-handed
-    sides = ((np.cross(ahead, up), up, ahead), (np.cross(gaze, crown), crown, gaze))
-    world, head = (",".join(map(_axis_word, side)) for side in sides)
-    better = fitting[0] if fitting else parse_axes(f"world={world} head={head}")
-    also = ", ".join(axes.name for axes in fitting[1:])
-    also = f" (so do {also}; motion cannot tell them apart)" if also else ""
-    advice = f"--axes '{better.name or better.words()}' fits better{also}: {top:.1f} points against {own:.1f}"
-    return Verdict(fault, better, advice, world_alone=np.array_equal(best[1:], here[1:]))
 
-
-def _reading_of(axes: Axes) -> Array:
-    return np.array([axes.world[1], axes.head[1], -axes.head[2]])
+    def __init__(self, evidence: Evidence, axes: Axes) -> None:
+        self.better: Axes | None = None  # what fits best; None: nothing fits better
+        here = axes.reading
+        own, self.fault = evidence.weigh(here)  # what contradicts them; "": nothing
+        weighed = [(*evidence.weigh(reading), reading) for reading in _READINGS]
+        top, _, best = max(weighed, key=operator.itemgetter(0))
+        rivals = (r for points, fault, r in weighed if points > own - CLEAR and not fault)
+        self.confirmed = all(np.array_equal(rival, here) for rival in rivals)  # the motion shows these axes alone
+        self.advice = "nothing else fits better: --axes states them"
+        self.world_alone = np.array_equal(best[1:], here[1:])  # the better ones turn it: the head's are right
+        if not self.fault or np.array_equal(best, here) or top - own < CLEAR / 2:
+            return
+        fitting = [preset for preset in presets if np.array_equal(preset.reading, best)]
+        up, crown, gaze = best
+        ahead = np.roll(np.abs(up), 1)  # on the ground, the next axis after up; all right-handed
+        sides = ((np.cross(ahead, up), up, ahead), (np.cross(gaze, crown), crown, gaze))
+        world, head = (",".join(map(_axis_word, side)) for side in sides)
+        self.better = better = fitting[0] if fitting else parse_axes(f"world={world} head={head}")
+        also = ", ".join(axes.name for axes in fitting[1:])
+        also = f" (so do {also}; motion cannot tell them apart)" if also else ""
+        self.advice = f"--axes '{better.name or better.words()}' fits better{also}: {top:.1f} points against {own:.1f}"
 
 
 # What heads do: how far from the origin of a tracked place, how fast.
@@ -304,65 +312,19 @@ _LENGTHS = {"centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "feet":
 
 def _place_fault(time_ns: NDArray[np.int64], position_m: Array, height_m: float) -> tuple[str, str]:
     """Return what is odd about places, and a scale that helps, or "" twice. height_m: or 0."""
-    at = every(time_ns)
-    p, t = position_m[at], time_ns[at] * 1e-9
-    far = float(np.median(np.linalg.norm(p, axis=1)))
-    speed = np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(t) if len(t) > 1 else np.zeros(1)
-    fast = float(np.quantile(speed, 0.9))
+    far = float(np.median(np.linalg.norm(position_m, axis=1)))
+    speed = np.linalg.norm(np.diff(position_m, axis=0), axis=1) / np.diff(time_ns * 1e-9)
+    fast = float(np.quantile(speed, 0.9)) if len(speed) else 0.0
     odd = far > _FARTHEST_M or fast > _FASTEST_WALK_M_S
     what = f"the head is {far:.4g} m from the origin" if far > _FARTHEST_M else f"the head moves at {fast:.4g} m/s"
     for name, metres in _LENGTHS.items():
         if odd and far * metres < 5 and fast * metres <= 3:
-            found = f"{far * metres:.3g} m, {fast * metres:.2g} m/s"
-            return what, f"--scale {metres:g} takes the positions as {name}: {found}"
+            found = f"{name}: {far * metres:.3g} m, {fast * metres:.2g} m/s"
+            return what, f"--scale {metres:g} takes the positions as {found}"
         if not odd and height_m > _HEIGHTS_M[1] and _HEIGHTS_M[0] <= height_m * metres <= _HEIGHTS_M[1]:
             remedy = f"if the floor is there, --scale {metres:g} takes it as {name}: {height_m * metres:.3g} m"
             return f"the head is {height_m:.3g} m above the origin", remedy
     return (what, "--scale gives metres per unit") if odd else ("", "")
-
-
-def evidence_of(time_ns: NDArray[np.int64], orientation: Array, position_m: Array | None, gravity: Array) -> Evidence:
-    """Collect the evidence of unit quaternions (n, 4) and positions (n, 3) in the file's axes.
-
-    gravity: (3,), zeros: unknown. Steps of 0.1 s are compared, none over a gap or teleport.
-    """
-    at = every(time_ns)
-    q, t = orientation[at], time_ns[at] * 1e-9
-    axes = np.stack([quaternions.rotate(q, unit) for unit in np.eye(3)], axis=2)  # (n, 3, 3) matrices
-    near = np.diff(t) < 5e-9 * _STEP_NS
-    upright, path = axes.mean(axis=0), 0.0
-    world_turns = head_turns = travel = climb = height = neck = np.zeros(3)
-    turn = quaternions.multiply(q[1:], quaternions.conjugate(q[:-1]))[near]
-    vectors = quaternions.to_rotation_vector(turn)
-    length = np.linalg.norm(vectors, axis=1)
-    vectors = vectors[length < 1.0]  # over 10 rad/s: a teleport
-    if len(vectors) >= _LEAST_STEPS and length[length < 1.0].sum() > _LEAST_TURNED_RAD:
-        in_head = np.einsum("nij,ni->nj", axes[:-1][near][length < 1.0], vectors)
-        world_turns, head_turns = _shares(vectors), _shares(in_head)
-    if position_m is not None:
-        p = position_m[at]
-        velocity = np.diff(p, axis=0)[near] / np.diff(t)[near][:, None]
-        speed = np.linalg.norm(velocity, axis=1)
-        path = float((speed * np.diff(t)[near]).sum())
-        walks = (speed > _WALKING_M_S) & (speed < _FASTEST_M_S)
-        if np.count_nonzero(walks) * 1e-9 * _STEP_NS > _WALKED_S:
-            unit = velocity[walks] / speed[walks][:, None]
-            travel = np.einsum("nij,ni->nj", axes[:-1][near][walks], unit).mean(axis=0)
-            climb = _shares(velocity[walks])
-        # Accelerations of the tracked point by a fixed lever in the head: p'' = R'' lever.
-        moved, turned = (part[:-2] - 2 * part[1:-1] + part[2:] for part in (p, axes))
-        calm = near[1:] & near[:-1] & (np.linalg.norm(moved, axis=1) < 0.5)
-        a, b = turned[calm].reshape(-1, 3), moved[calm].reshape(-1)
-        if calm.sum() >= _LEAST_STEPS and b.any():
-            lever = np.linalg.lstsq(a, b, rcond=None)[0]
-            explained, length_m = 1 - float(((a @ lever - b) ** 2).sum() / (b**2).sum()), float(np.linalg.norm(lever))
-            if explained > _EXPLAINED and _NECK_M[0] < length_m < _NECK_M[1]:
-                neck = lever / length_m
-        steady = p.std(axis=0) < 0.25
-        height = np.where(steady, p.mean(axis=0), 0.0)
-    down = float(np.linalg.norm(gravity))
-    up = -gravity / down if down else gravity
-    return Evidence(upright, (axes**2).mean(axis=0), world_turns, head_turns, travel, climb, neck, height, up, path)
 
 
 def inverted(orientation: Array, position_m: Array | None) -> tuple[Array, Array | None]:
@@ -373,33 +335,20 @@ def inverted(orientation: Array, position_m: Array | None) -> tuple[Array, Array
     return turned, -quaternions.rotate(turned / np.linalg.norm(turned, axis=1, keepdims=True), position_m)
 
 
-def every(time_ns: NDArray[np.int64]) -> NDArray[np.intp]:
-    """Return indices of rows about 0.1 s apart, at most 20,000."""
-    span = int(time_ns[-1] - time_ns[0])
-    step = max(_STEP_NS, span // _MOST_STEPS)
-    wanted = time_ns[0] + np.arange(0, span + 1, step)
-    return np.unique(np.searchsorted(time_ns, wanted))
-
-
 def _shares(vectors: Array) -> Array:
     squares = (vectors**2).sum(axis=0)
-    total = float(squares.sum())
-    return squares / total if total else np.zeros(3)
+    return np.asarray(squares / (squares.sum() or 1.0))
 
 
 def find_jumps(time_ns: NDArray[np.int64], orientation: Array, position: Array | None) -> NDArray[np.int64]:
     """Return indices i whose step to row i + 1 is too far and too fast, in angle or place."""
-    found = []
-    for a in range(0, len(time_ns) - 1, _BLOCK):  # in blocks: the temporaries of 10^7 rows would double the memory
-        b = min(a + _BLOCK, len(time_ns) - 1)
-        seconds = np.diff(time_ns[a : b + 1]) * 1e-9
-        angle = quaternions.angle_between(orientation[a:b], orientation[a + 1 : b + 1])
-        jump = (angle > _JUMP_ANGLE_RAD) & (angle > _JUMP_SPEED_RAD_S * seconds)
-        if position is not None:
-            distance = np.linalg.norm(np.diff(position[a : b + 1], axis=0), axis=1)
-            jump |= (distance > _JUMP_DISTANCE_M) & (distance > _JUMP_SPEED_M_S * seconds)
-        found.append(np.flatnonzero(jump) + a)
-    return np.concatenate(found) if found else np.empty(0, np.int64)
+    seconds = np.diff(time_ns) * 1e-9
+    angle = quaternions.angle_between(orientation[:-1], orientation[1:])
+    jump = (angle > _JUMP_ANGLE_RAD) & (angle > _JUMP_SPEED_RAD_S * seconds)
+    if position is not None:
+        distance = np.linalg.norm(np.diff(position, axis=0), axis=1)
+        jump |= (distance > _JUMP_DISTANCE_M) & (distance > _JUMP_SPEED_M_S * seconds)
+    return np.flatnonzero(jump)
 
 
 def jumps_between(samples: Sequence[PoseSample]) -> list[int]:
@@ -434,135 +383,112 @@ _TILT_SHOWN_DEG = 10.0
 _CONTRADICTED = "; the motion contradicts them"
 
 
-class JudgedAxes:
-    """What turns a file's poses into OpenXR's axes, and who says so."""
+def stated_facts(layout: Layout, options: TraceOptions) -> tuple[Layout, Axes]:
+    """Return the layout with what options state of axes, scale and direction, and its axes.
 
-    def __init__(self, r: Recording) -> None:
-        self.r, options, layout = r, r.options, r.layout
-        self.is_inverse, self._pose_by = layout.inverse, layout.direction_by
-        if options.pose:
-            self.is_inverse, self._pose_by = options.pose == INVERSE, By.USER
-        self._shown = ""  # what the motion shows, in words, for the line `axes`
-        # The options come before the file and its format.
-        self.axes, self.axes_by = parse_axes(layout.axes), layout.axes_by
-        if options.axes is not None:
-            self.axes, self.axes_by = parse_axes(options.axes), By.USER
-        if options.up is not None:
-            said = parse_up(options.up)
-            if said.tilt is not None:
-                self.axes = attrs.evolve(self.axes, tilt=said.tilt)
-            elif options.axes is not None:
-                what = "--axes and --up both name axes: say one"
-                raise InputError(f"{what}; beside --axes, --up may be three numbers, a tilt")
-            elif self.axes.up() != options.up.strip().lower().removeprefix("+"):
-                self.axes, self.axes_by = said, By.USER
-        self.scale, self.scale_by = layout.scale, layout.scale_by  # metres of a unit of the file
-        if options.scale is not None:
-            self.scale, self.scale_by = options.scale, By.USER
-        elif self.axes.metres_per_unit is not None:
-            self.scale, self.scale_by = self.axes.metres_per_unit, self.axes_by
+    They come before the file and its format. Errors: InputError.
+    """
+    axes, said = parse_axes(layout.axes if options.axes is None else options.axes), dict[str, Any]()
+    if options.pose:
+        said = {"inverse": options.pose == INVERSE, "direction_by": By.USER}
+    axes_by = said["axes_by"] = layout.axes_by if options.axes is None else By.USER
+    if options.up is not None:
+        axes = attrs.evolve(axes, tilt=parse_up(options.up))
+    if options.scale is not None:
+        said |= {"scale": options.scale, "scale_by": By.USER}
+    elif axes.metres_per_unit is not None:
+        said |= {"scale": axes.metres_per_unit, "scale_by": axes_by}
+    return attrs.evolve(layout, **said), axes
 
-    def assumptions(self) -> tuple[Assumption, ...]:
-        layout, options = self.r.layout, self.r.options
-        if layout.euler is not None:
-            turn, option = f"angles {layout.euler.words()}", "--euler"
-        elif layout.matrix:
-            turn, option = f"matrix {layout.matrix}", "--matrix"
-        else:
-            turn, option = f"quaternion {layout.order}", "--quat-order"
-        tilted = "" if self.axes.tilt is None else f", tilted to {options.up}"
-        clock_by = By.USER if options.rate or options.time_unit else layout.unit_by
-        facts = (
-            Assumption(Fact.ORIENTATION, turn, layout.order_by, option),
-            Assumption(Fact.POSE, DIRECTION[self.is_inverse], self._pose_by, "--pose"),
-            Assumption(Fact.LENGTH, f"{self.scale:g} m per unit", self.scale_by, "--scale"),
-            Assumption(Fact.AXES, self.axes.label(), self.axes_by, "--axes"),
-            Assumption(Fact.UP, self.axes.up() + tilted, By.USER if tilted else self.axes_by, "--up"),
-            Assumption(Fact.CLOCK, self.r.time_unit, clock_by, "--time-unit"),
-        )
-        return tuple(fact for fact in facts if fact.what != Fact.LENGTH or self.r.position is not None)
 
-    def weigh(self) -> None:
-        """Warn where the motion contradicts axes, unit or direction of the poses."""
-        r, time_ns = self.r, self.r.time_ns
-        metres = None if r.position is None else r.position * self.scale
-        evidence = evidence_of(time_ns, r.orientation, metres, np.array(r.layout.gravity_down))
-        best, at = evidence.best_points(), every(time_ns)
+def assumptions_of(r: Recording) -> tuple[Assumption, ...]:
+    layout, options = r.layout, r.options
+    turn, option = f"matrix {layout.matrix}", "--matrix"
+    if layout.euler is not None:
+        turn, option = f"angles {layout.euler.words()}", "--euler"
+    elif not layout.matrix:
+        turn, option = f"quaternion {layout.order}", "--quat-order"
+    tilted = "" if r.axes.tilt is None else f", tilted to {options.up}"
+    clock_by = By.USER if options.rate or options.time_unit else layout.unit_by
+    facts = (
+        Assumption(Fact.COLUMNS, columns_read(r.head, layout, r.taken), layout.columns_by, "--columns"),
+        Assumption(Fact.ORIENTATION, turn, layout.order_by, option),
+        Assumption(Fact.POSE, DIRECTION[layout.inverse], layout.direction_by, "--pose"),
+        Assumption(Fact.LENGTH, f"{layout.scale:g} m per unit", layout.scale_by, "--scale"),
+        Assumption(Fact.AXES, r.axes.label(), layout.axes_by, "--axes"),
+        Assumption(Fact.UP, r.axes.up() + tilted, By.USER if tilted else layout.axes_by, "--up"),
+        Assumption(Fact.CLOCK, r.time_unit, clock_by, "--time-unit"),
+    )
+    return tuple(fact for fact in facts if fact.what != Fact.LENGTH or r.position is not None)
 
-        def other(orientation: Array, position: Array | None) -> Evidence:
-            return evidence_of(time_ns[at], orientation, position, evidence.gravity)
 
-        if r.layout.order_by is By.DEFAULT and r.layout.euler is None:
-            place, stated = None if metres is None else metres[at], _reading_of(self.axes)
+def weigh_axes(r: Recording) -> None:
+    """Warn where the motion contradicts axes, unit or direction of the poses.
 
-            def points(found: Evidence) -> float:  # in any axes, or in those that the format states
-                return found.best_points() if r.layout.axes == OPENXR else found.weigh(stated)[0]
+    Errors: TraceError where only another order of the numbers than the assumed one shows a person.
+    """
+    layout, span = r.layout, int(r.time_ns[-1] - r.time_ns[0])
+    wanted = r.time_ns[0] + np.arange(0, span + 1, max(_STEP_NS, span // _MOST_STEPS))
+    at = np.unique(np.searchsorted(r.time_ns, wanted))
+    t, q, p = r.time_ns[at], r.orientation[at], None if r.position is None else r.position[at] * layout.scale
 
-            own = points(evidence) + CLEAR
-            self._refuse_other_order(lambda turned: points(other(turned, place)) > own, r.orientation[at])
-        verdict = judge(evidence, self.axes)
-        if metres is not None:
-            height_m = 0.0 if verdict.fault else float(self.axes.world[1] @ evidence.height_m)
-            what, remedy = _place_fault(time_ns, metres, height_m)
-            if what:
-                r.note("place-implausible", what, f"kept; {remedy}")
-        if self.axes_by is By.DEFAULT:
-            self._shown = "; the motion agrees"
-            if verdict.leaves_open:
-                self._shown = f"; the motion does not show {verdict.leaves_open}; --axes or --up states it"
-        if r.options.pose is None:
-            inverse = other(*inverted(r.orientation[at], None if metres is None else metres[at]))
-            # The inverse of a head that turns on the spot swings about the origin: each halving of
-            # the way is worth a point. Of 15 recordings the inverse way is 1.2 to 19 times as long.
-            shorter = math.log2(evidence.path_m / inverse.path_m) if evidence.path_m and inverse.path_m else 0.0
-            gain = inverse.best_points() - best + min(max(shorter, -1.5), 1.5)
-            if gain > (CLEAR if verdict.fault else SURE):
-                here, there = DIRECTION[::-1] if self.is_inverse else DIRECTION
-                better, word = judge(inverse, self.axes).better, DIRECT if self.is_inverse else INVERSE
-                axes = f" --axes '{better.name or better.words()}'" if better is not None else ""
-                what = f"its poses, read as {here}, make a person's motion if they are {there}: {gain:.1f} points more"
-                r.note("pose-contradicted", what, f"kept; --pose {word}{axes} takes them so")
-                self._shown = _CONTRADICTED
-                return
-        if verdict.world_alone:  # where up lies between the file's axes, `report_tilt` says by how much
-            converted = r.orientation.copy()
-            self.axes.apply(None, converted)
-            axis = gravity_axis(converted)
-            if axis is not None and float(np.abs(axis).max()) < math.cos(math.radians(_TILT_SHOWN_DEG)):
-                return
-        if verdict.fault:
-            what = f"read as {self.axes.label()}, {AXES_BY[self.axes_by]}: {verdict.fault}"
-            r.note("axes-contradicted", what, f"kept; {verdict.advice}")
-            self._shown = _CONTRADICTED
+    def read(q: Array, p: Array | None) -> Evidence:
+        return Evidence(t, q, p, np.array(layout.gravity_down))
 
-    def _refuse_other_order(self, fits: Callable[[Array], bool], read: Array) -> None:
-        """Refuse an assumed order of numbers where only the other one shows a person."""
-        first, last = ("with w first", "--quat-order wxyz"), ("with w last", "--quat-order xyzw")
-        if self.r.layout.matrix:
-            turned, ways = (
-                quaternions.conjugate(read),
-                (("by rows", "--matrix rows"), ("by columns", "--matrix columns")),
-            )
-        elif self.r.layout.order == "xyzw":
-            turned, ways = np.roll(read, -1, axis=1), (last, first)
-        else:
-            turned, ways = np.roll(read, 1, axis=1), (first, last)
-        if fits(turned):
-            (here, own), (there, right) = ways
-            what = f"its rotations, read {here}, make no person's motion; {there} they do"
-            raise TraceError(f"{self.r.where}: {what}: say {right}, or {own} if it is right as it is")
+    evidence = read(q, p)
+    if layout.order_by is By.DEFAULT and layout.euler is None:
+        option, here, there = "--matrix", ROWS, COLUMNS
+        turned = quaternions.conjugate(q)
+        if not layout.matrix:
+            option, here, there = "--quat-order", layout.order, "wxyz" if layout.order == "xyzw" else "xyzw"
+            turned = np.roll(q, -1 if there == "wxyz" else 1, axis=1)
+        # In any axes, or in those that the format states.
+        own, other = (
+            found.best_points() if layout.axes == OPENXR else found.weigh(r.axes.reading)[0]
+            for found in (evidence, read(turned, p))
+        )  # fmt: skip
+        if other > own + CLEAR:
+            what = f"its rotations, read as {option} {here}, make no person's motion; as {option} {there} they do"
+            raise TraceError(f"{r.head.path}: {what}: state the one that is right")
+    verdict = Verdict(evidence, r.axes)
+    if p is not None:
+        height_m = 0.0 if verdict.fault else float(r.axes.world[1] @ evidence.height_m)
+        what, remedy = _place_fault(t, p, height_m)
+        if what:
+            r.found("place-implausible", None, what, remedy)
+    if layout.axes_by is By.DEFAULT:
+        others = "; others fit the motion nearly as well; --axes states them"
+        r.shown = "; the motion agrees" if verdict.confirmed else others
+    if r.options.pose is None:
+        inverse = read(*inverted(q, p))
+        # The inverse of a head that turns on the spot swings about the origin: each halving of
+        # the way is worth a point. Of 15 recordings the inverse way is 1.2 to 19 times as long.
+        shorter = math.log2(evidence.path_m / inverse.path_m) if evidence.path_m and inverse.path_m else 0.0
+        gain = inverse.best_points() - evidence.best_points() + min(max(shorter, -1.5), 1.5)
+        if gain > (CLEAR if verdict.fault else SURE):
+            here, there = DIRECTION[::-1] if layout.inverse else DIRECTION
+            better, word = Verdict(inverse, r.axes).better, DIRECT if layout.inverse else INVERSE
+            axes = f" --axes '{better.name or better.words()}'" if better is not None else ""
+            r.found("pose-contradicted", None, here, there, gain, word, axes)
+            r.shown = _CONTRADICTED
+            return
+    # Where up lies between the file's axes, `report_tilt` says by how much.
+    if verdict.better is not None and verdict.world_alone:
+        converted = r.orientation.copy()
+        r.axes.apply(None, converted)
+        axis = gravity_axis(converted)
+        if axis is not None and float(np.abs(axis).max()) < math.cos(math.radians(_TILT_SHOWN_DEG)):
+            return
+    if verdict.fault:
+        r.found("axes-contradicted", None, r.axes.label(), AXES_BY[layout.axes_by], verdict.fault, verdict.advice)
+        r.shown = _CONTRADICTED
 
-    def words(self) -> str:
-        """Return the axes, who says so, and what the motion shows."""
-        return f"{self.axes.label()}, {AXES_BY[self.axes_by]}{self._shown}"
 
-    def report_tilt(self) -> None:
-        """Report gravity that is not along +y, judged by how the head is held."""
-        # A turn of the world mends no wrong axes.
-        axis = None if self._shown == _CONTRADICTED else gravity_axis(self.r.orientation)
-        tilt = 0.0 if axis is None else float(np.degrees(np.arccos(np.clip(axis[1], -1, 1))))
-        if axis is not None and tilt > _TILT_SHOWN_DEG:
-            shown = ",".join(f"{a:.2f}" for a in axis)
-            what = f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y"
-            self._shown = f"; up is tilted by {tilt:.0f} degrees"
-            self.r.note("tilt", what, f"kept as it is; --up={shown} sets the world upright")
+def report_tilt(r: Recording) -> None:
+    """Report gravity that is not along +y, judged by how the head is held."""
+    # A turn of the world mends no wrong axes.
+    axis = None if r.shown == _CONTRADICTED else gravity_axis(r.orientation)
+    tilt = 0.0 if axis is None else float(np.degrees(np.arccos(np.clip(axis[1], -1, 1))))
+    if axis is not None and tilt > _TILT_SHOWN_DEG:
+        r.shown = f"; up is tilted by {tilt:.0f} degrees"
+        r.found("tilt", None, ",".join(f"{a:.2f}" for a in axis), tilt)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -15,15 +16,15 @@ from numpy.typing import NDArray
 
 from ...base import TraceError, are_digits, counted
 from .. import quaternions
-from ..assumptions import Assumption, By, Defect, Fact, unstated
+from ..assumptions import AXES_BY, Assumption, By, Defect, Fact, unstated
 from ..options import FRAMES
 from ..track import PoseTrack, gap_limit_ns
-from .axes import JudgedAxes, find_jumps, inverted
-from .columns import BILLION, UNITS_NS, columns_read, head_rank
-from .text_table import DAY_S, LARGEST, Recording, Segment, Stamps
+from .axes import assumptions_of, find_jumps, inverted, report_tilt, stated_facts, weigh_axes
+from .columns import BILLION, UNITS_NS, head_rank
+from .text_table import DAY_S, LARGEST, Recording, Segment, stamps_of, steps_of
 
-_NAMES = "seconds", "milliseconds", "microseconds", "ticks of 100 ns", "nanoseconds"
-UNIT_NAMES = dict(zip(UNITS_NS, _NAMES, strict=True))
+UNIT_NAMES = dict.fromkeys(UNITS_NS, "ticks of 100 ns")
+UNIT_NAMES |= {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds"}
 
 
 @attrs.frozen(eq=False)
@@ -58,65 +59,27 @@ class LoadedTrace:
 
 def clean(r: Recording, form: str) -> LoadedTrace:
     """Answer all questions, each after those that it relies on. form: the name of the format."""
-    judged = r.judged = JudgedAxes(r)
+    r.layout, r.axes = stated_facts(r.layout, r.options)
     for answer in (_which_rows, _when, _which_are_new, _rotations, _axes_and_unit, _what_is_missing):
         answer(r)
     origins = (text.removeprefix("origin:").strip() for _, text in r.head.comments if text.startswith("origin:"))
     track = PoseTrack(
         r.time_ns - r.time_ns[0], r.position if r.position is not None else np.zeros((len(r), 3)), r.orientation,
-        name=r.head.path.stem, origin=next(origins, ""), axes=judged.words(), notes=[str(d) for d in r.defects],
+        name=r.head.path.stem, origin=next(origins, ""),
+        axes=f"{r.axes.label()}, {AXES_BY[r.layout.axes_by]}{r.shown}", notes=[str(d) for d in r.defects],
         epoch_ns=r.epoch_ns + int(r.time_ns[0]), jumps=r.jumps.tolist(), gaze=r.gaze,
     )  # fmt: skip
-    columns = columns_read(r.head, r.layout, r.taken)
-    facts = (Assumption(Fact.COLUMNS, columns, r.layout.columns_by, "--columns"), *judged.assumptions())
-    assumed, unit = judged.axes_by is By.DEFAULT, r.time_unit
-    r.judged = None  # it knows the recording: a circle would keep both until the collector runs
-    return LoadedTrace(track, r.head.path, form, r.defects, r.segments, unit, columns, assumed, r.taken, facts)
+    facts, assumed = assumptions_of(r), r.layout.axes_by is By.DEFAULT
+    columns = facts[0].value
+    return LoadedTrace(track, r.head.path, form, r.defects, r.segments, r.time_unit, columns, assumed, r.taken, facts)
 
 
-_COARSE_NORM, _ZERO_NORM = 1e-2, 1e-6
-
-
-def _which_rows(r: Recording) -> None:
-    """Drop what is no pose of the head: a cut last row, other devices, zeros."""
-    if r.is_cut and len(r) > 1:
-        length = np.linalg.norm(r.orientation[-2:], axis=1)
-        off = np.abs(length - 1)
-        late = not len(r.stamps) or r.stamps[-2:].steps()[0] > 0
-        if off[1] > _COARSE_NORM >= off[0] or not late:
-            r.found("last-row-cut", [-1], f"quaternion of length {length[1]:.2f}" if late else "time falls")
-    stated, device, r.device = r.options.device, r.device, None
-    if device is not None:  # the head's rows, or the first eye's, where rows of several devices are mixed
-        names, first, counts = np.unique(device, return_index=True, return_counts=True)
-        texts = [n.decode("latin-1") for n in names]
-        if stated is not None and stated not in texts:
-            raise TraceError(f"{r.where}: no rows of device '{stated}': there are those of {', '.join(texts[:8])}")
-        tracked = np.abs(r.orientation).max(axis=1) > _ZERO_NORM
-        lost = [not tracked[device == name].any() for name in names]
-        order = [float(t) for t in texts] if all(map(are_digits, texts)) else first.tolist()
-        best = min(range(len(texts)), key=lambda i: (lost[i], head_rank(texts[i]), order[i]))
-        taken = best if stated is None else texts.index(stated)
-        others, r.taken = np.flatnonzero(device != names[taken]), texts[taken]
-        if r.head.made is not None and r.taken in r.head.made.nested:
-            r.defects.append(r.head.made.nested[r.taken])
-        several = len(names), ", ".join(texts[:6])
-        r.found("devices-interleaved", others, *several, counts[taken], r.taken, len(others))
-    elif stated is not None:
-        raise TraceError(f"{r.where} has no column that names devices: leave --device out")
-    zero = np.flatnonzero(np.abs(r.orientation).max(axis=1) < _ZERO_NORM)
-    if len(zero) == len(r):
-        raise TraceError(f"{r.where}: every quaternion is zero: no tracking, or the wrong columns were read")
-    found = "matrix that is no rotation" if r.layout.matrix else "zero quaternion"
-    r.found("zero-quaternion", zero, counted(len(zero), "row"), found)
-    _need_two_rows(r)
-
-
-def _need_two_rows(r: Recording) -> None:
-    if len(r) < 2:
-        known = "; ".join(map(str, r.defects[:3])) or "no defects"
-        raise TraceError(f"{r.where} holds {len(r)} usable row: expected two or more ({known})")
-
-
+# By how much quaternions are off length 1, or no rotations at all.
+_COARSE_NORM, _ZERO_NORM, _WORST_NORM, _LARGEST_NORM, _MEDIAN_NORM = 1e-2, 1e-6, 0.5, 2.0, 0.1
+_WIDEST_GAZE = 0.5  # cosine: eyes turn by 55 degrees at most (Guitton and Volle 1987)
+# Glasses write each pose twice, 0.1 ms apart at 30 to 1000 Hz: so much nearer, by share of steps.
+_NEARER, _PAIRED, _LEAST_PAIRS = 8, 0.3, 20
+_LEAST_RUN = 3  # rows of one pose at the start
 # Shares of steps back in time: a file with restarts has few, a shuffled one half.
 _SHUFFLED, _REVERSED, _LEAST_STEPS = 0.2, 0.9, 10
 _SEGMENTS_LISTED = 1000  # a jittering clock can run backwards a million times
@@ -132,13 +95,54 @@ _LONG = 10**5  # steps a wrap: no recording ends by chance that near to the top,
 _NEAR = 1000  # steps from the last stamp before a wrap to the first after it
 _SHORTEST = 20  # rows a wrap or a leap
 _SMOOTH = 3.0  # times the largest of the turns around it
-# A leap of the clock: seconds, steps, rows compared on either side, and how far they turn a head.
-_PAUSE_S, _LONG_PAUSE, _AROUND, _TURNS_RAD = 30.0, 1000, 5, 3e-4
-_YEARS_S = 10 * 365.25 * 86400  # no recording pauses so long
+# A leap of the clock: time, steps, rows compared on either side, and how far they turn a head.
+_PAUSE_NS, _LONG_PAUSE, _AROUND, _TURNS_RAD = 30 * BILLION, 1000, 5, 3e-4
+_DAY_NS = DAY_S * BILLION
+_YEARS_NS = 3653 * _DAY_NS  # no recording pauses so long
 # Coarse clocks: how exactly steps are looked at, of how many sizes, the least tick (and of a mean
 # step), how near multiples are (15.6 ms printed as 15 and 16), what share of one size is steady.
 _PRINTED_NS, _MOST_SIZES, _FEW_SIZES, _LEAST_TICK_NS, _LEAST_TICK = 100_000, 400, 7, 2_000_000, 0.2
 _OFF_TICK, _ONE_SIZE, _EVENER, _IN_TICK = 0.08, 0.98, 0.5, 1.15
+
+
+def _which_rows(r: Recording) -> None:
+    """Drop what is no pose of the head: a cut last row, other devices, zeros."""
+    if r.is_cut and len(r) > 1:
+        length = np.linalg.norm(r.orientation[-2:], axis=1)
+        off = np.abs(length - 1)
+        late = not len(r.stamps) or steps_of(r.stamps[-2:])[0] > 0
+        if off[1] > _COARSE_NORM >= off[0] or not late:
+            r.found("last-row-cut", [-1], f"quaternion of length {length[1]:.2f}" if late else "time falls")
+    stated, device, r.device = r.options.device, r.device, None
+    if device is not None:  # the head's rows, or the first eye's, where rows of several devices are mixed
+        names, first, counts = np.unique(device, return_index=True, return_counts=True)
+        texts = [n.decode("latin-1") for n in names]
+        if stated is not None and stated not in texts:
+            raise TraceError(f"{r.head.path}: no rows of device '{stated}': there are those of {', '.join(texts[:8])}")
+        tracked = np.abs(r.orientation).max(axis=1) > _ZERO_NORM
+        lost = [not tracked[device == name].any() for name in names]
+        order = [float(t) for t in texts] if all(map(are_digits, texts)) else first.tolist()
+        best = min(range(len(texts)), key=lambda i: (lost[i], head_rank(texts[i]), order[i]))
+        taken = best if stated is None else texts.index(stated)
+        others, r.taken = np.flatnonzero(device != names[taken]), texts[taken]
+        if r.head.made is not None and r.taken in r.head.made.nested:
+            r.defects.append(r.head.made.nested[r.taken])
+        several = len(names), ", ".join(texts[:6])
+        r.found("devices-interleaved", others, *several, counts[taken], r.taken, len(others))
+    elif stated is not None:
+        raise TraceError(f"{r.head.path} has no column that names devices: leave --device out")
+    zero = np.flatnonzero(np.abs(r.orientation).max(axis=1) < _ZERO_NORM)
+    if len(zero) == len(r):
+        raise TraceError(f"{r.head.path}: every quaternion is zero: no tracking, or the wrong columns were read")
+    found = "matrix that is no rotation" if r.layout.matrix else "zero quaternion"
+    r.found("zero-quaternion", zero, counted(len(zero), "row"), found)
+    _need_two_rows(r)
+
+
+def _need_two_rows(r: Recording) -> None:
+    if len(r) < 2:
+        known = "; ".join(map(str, r.defects[:3])) or "no defects"
+        raise TraceError(f"{r.head.path} holds {len(r)} usable row: expected two or more ({known})")
 
 
 def _when(r: Recording) -> None:
@@ -149,35 +153,30 @@ def _when(r: Recording) -> None:
         first, what = int(numbers[0]), "frame" if frames else "row"
         if max(int(numbers.max()), -int(numbers.min())) * step_ns > LARGEST:
             how = "--time-column names the column of frames, --trace-rate their rate"
-            raise TraceError(f"{r.where}: {what} {first} or later is over 146 years from {what} 0: {how}")
+            raise TraceError(f"{r.head.path}: {what} {first} or later is over 146 years from {what} 0: {how}")
         counted_ns = np.rint((numbers - first) * step_ns).astype(np.int64) + round(first * step_ns)
-        r.stamps = Stamps(counted_ns, np.zeros(len(r), np.int64))
+        r.stamps, r.is_clock = stamps_of(counted_ns, 0 * counted_ns, 0 * counted_ns), False
         r.layout, r.time_unit = attrs.evolve(r.layout, unit="ns"), f"{what} numbers at {rate:g} Hz"
         aside = "the file's own clock is put aside" if r.layout.clock_ignored else "the file has no time"
         r.found("clock-by-rate", None, "the file numbers its frames" if frames else aside, f"{what} numbers", rate)
     _count_fractions(r)
-    steps = r.stamps.steps()
+    steps = steps_of(r.stamps)
     falls = float(np.mean(steps < 0)) if len(steps) > _LEAST_STEPS else 0.0
     if falls > _REVERSED and not (steps > 0).any():
         r.found("rows-reversed", np.arange(len(steps)))
         r.keep(slice(None, None, -1))
     elif falls > _SHUFFLED:
         what = f"time falls after {100 * falls:.0f} % of its rows: they are shuffled, or of several recordings"
-        raise TraceError(f"{r.where}: {what}; sort them by time, or name the clock with --time-column")
+        raise TraceError(f"{r.head.path}: {what}; sort them by time, or name the clock with --time-column")
     _find_unit(r)
+    stamps, scale, first = r.stamps, UNITS_NS[r.unit], int(r.stamps.whole[0])
+    # What is no time of this recording stays far enough to be another one.
+    whole = np.clip(stamps.whole - first, -LARGEST // scale, LARGEST // scale)
+    r.time_ns = whole * scale + stamps.billionths // (BILLION // scale)  # floored, which keeps their order
+    r.epoch_ns, r.stamps = first * scale, stamps[:0]
+    r.time_unit = r.time_unit or ("hours:minutes:seconds" if r.is_clock else UNIT_NAMES[r.unit])
     _clock_changes(r)
     _take_segment(r)
-    # ns since the segment's first row, subtracted before scaling
-    stamps, scale, size = r.stamps, UNITS_NS[r.unit], BILLION // UNITS_NS[r.unit]
-    first, part = int(stamps.whole[0]), int(stamps.billionths[0]) // size
-    span = max(abs(int(stamps.whole.max()) - first), abs(int(stamps.whole.min()) - first)) * scale
-    if span > LARGEST:
-        what = f"the stamps, taken as {UNIT_NAMES[r.unit]}, make a span of {span / 1e9 / 86400 / 365:.3g} years"
-        raise TraceError(f"{r.where}: {what}: this is no head trace")
-    r.epoch_ns = first * scale + part
-    r.time_ns = (stamps.whole - first) * scale + stamps.billionths // size - part  # floored, which keeps their order
-    r.time_unit = r.time_unit or ("hours:minutes:seconds" if stamps.clock else UNIT_NAMES[r.unit])
-    r.stamps = Stamps(np.zeros(0, np.int64), np.zeros(0, np.int64))
     if rate is not None:
         return
     _coarse_clock(r)
@@ -189,7 +188,7 @@ def _when(r: Recording) -> None:
         remedy = f"--time-unit {best} makes {others.get(best, 0):.4g} Hz"
         remedy = remedy if best else "--trace-rate gives the samples per second instead"
         if not _IMPOSSIBLE_HZ[0] <= rate_hz <= _IMPOSSIBLE_HZ[1] and len(steps) > 1:
-            raise TraceError(f"{r.where}: {read} {rate_hz:.4g} Hz, which no recording has: {remedy}")
+            raise TraceError(f"{r.head.path}: {read} {rate_hz:.4g} Hz, which no recording has: {remedy}")
         if not _RATES_HZ[0] <= rate_hz <= _RATES_HZ[1] and len(steps) > 1:
             r.found("rate-implausible", None, UNIT_NAMES[r.unit], rate_hz, remedy)
 
@@ -198,17 +197,17 @@ def _count_fractions(r: Recording) -> None:
     """Find fractions that are counts without leading zeros: 12.5 with ns is 5 ns after 12."""
     # Counts never begin with 0; as decimals they fall when a digit is added, or end with 0.
     stamps, decimals = r.stamps, r.stamps.decimals
-    if decimals is None or decimals.min() == decimals.max() or decimals.max() > 9:
+    if decimals.min() == decimals.max() or decimals.max() > 9:
         return
     counts = stamps.billionths // 10 ** (9 - decimals.astype(np.int64))
     falls = int(np.count_nonzero((np.diff(stamps.whole) == 0) & (np.diff(stamps.billionths) < 0)))
     padded = ((decimals > 1) & (stamps.billionths < BILLION // 10)).any()
     if padded or not (falls or ((counts > 0) & (counts % 10 == 0) & (decimals < decimals.max())).any()):
         return
-    found: dict[float, tuple[Stamps, str]] = {}
+    found: dict[float, tuple[Any, str]] = {}
     for size, unit in _COUNTED.items():
-        read = Stamps(stamps.whole, counts * 10 ** (9 - size), stamps.clock)
-        steps = read.steps()
+        read = stamps_of(stamps.whole, counts * 10 ** (9 - size), decimals)
+        steps = steps_of(read)
         if size >= decimals.max() and 4 * np.count_nonzero(steps < 0) <= falls and (steps > 0).any():
             found.setdefault(round(float(np.log(steps.max() / np.median(steps[steps > 0]))), 1), (read, unit))
     if found:
@@ -224,13 +223,13 @@ def _turned(orientation: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _find_unit(r: Recording) -> None:
     """Find the unit of the clock; where nothing says it, that whose rate is a tracker's."""
-    stamps, steps, first = r.stamps, r.stamps.steps(), int(r.stamps.whole[0])
+    stamps, steps, first = r.stamps, steps_of(r.stamps), int(r.stamps.whole[0])
     stated = None if r.options.rate else r.options.time_unit
-    r.unit = "s" if stamps.clock else stated or r.layout.unit or ""
+    r.unit = "s" if r.is_clock else stated or r.layout.unit or ""
     if r.unit:
         return
     if not (steps > 0).any():
-        raise TraceError(f"{r.where}: time never increases: --trace-rate gives the samples per second instead")
+        raise TraceError(f"{r.head.path}: time never increases: --trace-rate gives the samples per second instead")
     step = float(np.median(steps[steps > 0]))
     if 2 * np.count_nonzero(steps == 0) > len(steps):  # a clock so coarse that most rows share a stamp
         step = float(steps[steps >= 0].mean())
@@ -249,7 +248,7 @@ def _find_unit(r: Recording) -> None:
 
 def _clock_changes(r: Recording) -> None:
     """Count on where the clock begins again at its top, or leaps while the head moves on."""
-    stamps, steps, size = r.stamps, r.stamps.steps(), UNITS_NS[r.unit] / BILLION
+    steps, scale = np.diff(r.time_ns), UNITS_NS[r.unit]
     rises = np.flatnonzero(steps > 0)
     if not len(rises):
         return
@@ -258,47 +257,42 @@ def _clock_changes(r: Recording) -> None:
     if min(len(before), len(after)) >= _SHORTEST:
         ratio = abs(math.log10(float(np.median(after) / np.median(before))))
         if any(abs(ratio - power) < 0.05 for power in (3, 6, 9)):
-            raise TraceError(f"{r.where}: its clock changes its unit in line {r.line[at + 1]}: cut the file there")
+            raise TraceError(f"{r.head.path}: its clock changes its unit in line {r.line[at + 1]}: cut the file there")
     # By half a minute: at rest the head shows a leap of years alone, and a gap is none.
-    far = np.flatnonzero((np.abs(steps) * size > _PAUSE_S) & (np.abs(steps) > _LONG_PAUSE * step))
+    far = np.flatnonzero((np.abs(steps) > _PAUSE_NS) & (np.abs(steps) > _LONG_PAUSE * step))
     if not 0 < len(far) * _SHORTEST <= len(r):
         return
-    moved = np.zeros((len(r), 2), np.int64)  # seconds of the file's unit, and billionths of one, from each row on
-    steady, tops = [int(step), round(step % 1 * BILLION)], [top for top in _TOPS if top > _LONG * step]
+    moved = np.zeros(len(r), np.int64)  # from each row on
+    tops = [round(top * scale) for top in _TOPS if top * scale > _LONG * step]
     for leap in far.tolist():
-        a, b = stamps.whole[leap : leap + 2].tolist()
-        top = next((top for top in tops if 0 < steps[leap] + top <= step * _NEAR and a <= top and b >= -top / 2 - 1), 0)
-        if stamps.clock and steps[leap] < -DAY_S / 2 and max(a, b) < DAY_S:
-            top = DAY_S  # midnight
+        a, b = (r.epoch_ns + ns for ns in r.time_ns[leap : leap + 2].tolist())
+        wraps = (top for top in tops if 0 < b - a + top <= step * _NEAR and a <= top and b >= -top / 2 - scale)
+        top = next(wraps, 0)
+        if r.is_clock and b - a < -_DAY_NS / 2 and max(a, b) < _DAY_NS:
+            top = _DAY_NS  # midnight
         if top:
-            moved[leap + 1] = divmod(round(top * BILLION), BILLION)
+            moved[leap + 1] = top
         elif _AROUND <= leap < len(r) - _AROUND:
             turned = _turned(r.orientation[leap - _AROUND : leap + _AROUND + 2])
             own, others = float(turned[_AROUND]), np.delete(turned, _AROUND)
-            moves = float(np.median(others)) > _TURNS_RAD or abs(steps[leap]) * size > _YEARS_S
+            moves = float(np.median(others)) > _TURNS_RAD or abs(b - a) > _YEARS_NS
             if moves and own <= _SMOOTH * float(others.max(initial=0.0)):
-                parts = int(stamps.billionths[leap + 1]) - int(stamps.billionths[leap])
-                moved[leap + 1] = steady[0] - (b - a), steady[1] - parts
-    rows = np.flatnonzero(moved.any(axis=1))
-    wholes, billionths = np.cumsum(moved, axis=0).T
-    billionths += stamps.billionths
-    r.stamps = Stamps(stamps.whole + wholes + billionths // BILLION, billionths % BILLION, stamps.clock)
-    leaps = ", ".join(f"{float(steps[row - 1]) * size:+.6g} s" for row in rows[:3])
+                moved[leap + 1] = round(step) - (b - a)
+    r.time_ns = r.time_ns + np.cumsum(moved)
+    rows = np.flatnonzero(moved)
+    leaps = ", ".join(f"{steps[row - 1] / 1e9:+.6g} s" for row in rows[:3])
     r.found("clock-changes", rows, counted(len(rows), "time"), leaps)
 
 
 def _take_segment(r: Recording) -> None:
     """Split where time decreases or leaps by years, never sorting; choose the longest part."""
-    stamps, years = r.stamps, _YEARS_S * BILLION / UNITS_NS[r.unit]
-    steps = stamps.steps()
-    falls = np.flatnonzero((steps < 0) | (steps > years)) + 1
-    starts, ends = np.concatenate([[0], falls]), np.concatenate([falls, [len(stamps)]])
-    first, last = stamps[starts], stamps[ends - 1]
-    span = (last.whole - first.whole) + (last.billionths - first.billionths) / BILLION
-    span = span * (UNITS_NS[r.unit] / BILLION)
+    steps = np.diff(r.time_ns)
+    falls = np.flatnonzero((steps < 0) | (steps > _YEARS_NS)) + 1
+    starts, ends = np.concatenate([[0], falls]), np.concatenate([falls, [len(r)]])
+    span = (r.time_ns[ends - 1] - r.time_ns[starts]) / 1e9
     wanted = r.options.segment
     if wanted is not None and wanted > len(span):
-        raise TraceError(f"{r.where} holds {counted(len(span), 'recording')}: there is no segment {wanted}")
+        raise TraceError(f"{r.head.path} holds {counted(len(span), 'recording')}: there is no segment {wanted}")
     taken = int(np.argmax(span)) if wanted is None else wanted - 1
     listed = [*range(min(len(span), _SEGMENTS_LISTED)), *([taken] if taken >= _SEGMENTS_LISTED else [])]
     r.segments = [
@@ -370,11 +364,6 @@ def _evenly(time_ns: NDArray[np.int64], tick: float) -> NDArray[np.int64] | None
     return out if (np.diff(out) > 0).all() else None
 
 
-# Glasses write each pose twice, 0.1 ms apart at 30 to 1000 Hz: so much nearer, by share of steps.
-_NEARER, _PAIRED, _LEAST_PAIRS = 8, 0.3, 20
-_LEAST_RUN = 3  # rows of one pose at the start
-
-
 def _pose_repeats(r: Recording) -> NDArray[np.bool_]:
     """Return of each row but the last whether the next has the same pose, (n - 1,)."""
     same = (r.orientation[1:] == r.orientation[:-1]).all(axis=1)
@@ -383,7 +372,7 @@ def _pose_repeats(r: Recording) -> NDArray[np.bool_]:
 
 def _which_are_new(r: Recording) -> None:
     """Drop rows of an instant that has another, and default poses, to and from which it jumps."""
-    if r.judged.is_inverse:
+    if r.layout.inverse:
         r.orientation, r.position = inverted(r.orientation, r.position)
     at = np.flatnonzero(np.diff(r.time_ns) == 0)
     others = int(np.count_nonzero(~_pose_repeats(r)[at])) if len(at) else 0
@@ -402,44 +391,33 @@ def _which_are_new(r: Recording) -> None:
         return
     jumps = np.zeros(len(q) + 1, bool)  # before each row, and after the last
     jumps[[0, -1]] = True
-    jumps[find_jumps(r.time_ns, q, None if p is None else p * r.judged.scale) + 1] = True
+    jumps[find_jumps(r.time_ns, q, None if p is None else p * r.layout.scale) + 1] = True
     starts, ends = (np.flatnonzero(np.diff(default.astype(np.int8), prepend=0, append=0) == way) for way in (1, -1))
     lost = [np.arange(a, b) for a, b in zip(starts, ends, strict=True) if jumps[a] and jumps[b]]
     if lost:
         r.found("default-pose", np.concatenate(lost), counted(sum(map(len, lost)), "row"), counted(len(lost), "time"))
 
 
-_WORST_NORM, _LARGEST_NORM, _MEDIAN_NORM = 0.5, 2.0, 0.1
-
-
 def _rotations(r: Recording) -> None:
     """Normalise quaternions: slightly off ones silently, bad ones noted; refuse the rest."""
     q, norm = r.orientation, np.linalg.norm(r.orientation, axis=1)
-    hopeless = (norm < _WORST_NORM) | (norm > _LARGEST_NORM)
-    if hopeless.any():
-        row = int(hopeless.argmax())
-        what = f"a quaternion of length {norm[row]:.3g}, expected 1: {q[row].tolist()}"
-        raise TraceError(f"{r.where}: line {r.line[row]}: {what}; were the wrong columns read, or is the row damaged?")
-    median = float(np.median(norm))
-    if abs(median - 1) > _MEDIAN_NORM:
-        what = f"half of the quaternions are longer than {median:.3g}, expected 1"
-        raise TraceError(f"{r.where}: {what}: were the wrong columns read? --columns names the right ones")
-    off = np.abs(norm - 1)
+    off, median = np.abs(norm - 1), float(np.median(norm))
     bad, worst = np.flatnonzero(off > _COARSE_NORM), int(off.argmax())
+    if norm.min() < _WORST_NORM or norm.max() > _LARGEST_NORM or abs(median - 1) > _MEDIAN_NORM:
+        what = f"a quaternion of length {norm[worst]:.3g}, half of them longer than {median:.3g}, expected 1"
+        remedy = "were the wrong columns read (--columns names the right ones), or is the row damaged?"
+        raise TraceError(f"{r.head.path}: line {r.line[worst]}: {what}: {q[worst].tolist()}; {remedy}")
     q /= np.where(off > 4e-16, norm, 1.0)[:, None]
     r.found("norm-off", bad, counted(len(bad), "quaternion"), _COARSE_NORM, off[worst], r.line[worst])
 
 
-_WIDEST_GAZE = 0.5  # cosine: eyes turn by 55 degrees at most (Guitton and Volle 1987)
-
-
 def _axes_and_unit(r: Recording) -> None:
     """Convert to OpenXR's axes and to metres, and name what contradicts the axes."""
-    r.judged.weigh()
-    r.judged.axes.apply(r.position, r.orientation)
+    weigh_axes(r)
+    r.axes.apply(r.position, r.orientation)
     if r.position is None:
         r.found("no-position", None)
-    elif (scale := r.judged.scale) != 1:
+    elif (scale := r.layout.scale) != 1:
         r.position *= scale
     if (found := r.gaze) is None:
         return
@@ -449,11 +427,11 @@ def _axes_and_unit(r: Recording) -> None:
     if found.shape[1] == 4:
         lost |= ~found[:, :3].any(axis=1)  # where the eyes are lost, trackers write no turn at all
         turns = np.where(lost[:, None], (0.0, 0.0, 0.0, 1.0), found / np.maximum(length, _ZERO_NORM))
-        r.judged.axes.apply(None, turns)
+        r.axes.apply(None, turns)
         world = quaternions.rotate(turns, np.array([[0.0, 0.0, -1.0]]))
         gaze = quaternions.rotate(r.orientation * (-1, -1, -1, 1), world)
     else:
-        gaze = found @ r.judged.axes.head.T
+        gaze = found @ r.axes.head.T
     lost |= gaze[:, 2] > -_WIDEST_GAZE
     gaze[lost] = np.nan
     r.gaze = None if lost.all() else gaze
@@ -473,5 +451,5 @@ def _what_is_missing(r: Recording) -> None:
         r.found("short-step", short, counted(len(short), "step"), steps.min() / 1e6)
     r.jumps = find_jumps(r.time_ns, r.orientation, r.position)  # steps that no head can make
     r.found("jump", r.jumps + 1, counted(len(r.jumps), "jump"))
-    r.judged.report_tilt()
+    report_tilt(r)
     _need_two_rows(r)

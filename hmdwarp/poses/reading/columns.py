@@ -8,7 +8,6 @@ the place of its column.
 from __future__ import annotations
 
 import itertools
-import math
 import re
 import tomllib
 from collections import defaultdict
@@ -29,17 +28,17 @@ _NUMBER = re.compile(
     r"[-+]?([0-9]+([.,][0-9]*)?|[.,][0-9]+)([eE][-+]?[0-9]+)?$|[-+]?(nan|inf|infinity)$", re.IGNORECASE
 )
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
-_GLUED = re.compile(r"(q|quat|p|t|pos|rot|orientation|position|quaternion|rotation)([xyzw])$")
+_BETWEEN = re.compile(r"[Cc]ent(?:er|re)[^A-Za-z0-9]*[Ee]ye(?![a-z])")
+_GLUED = re.compile(r"^(q|quat|p|t|pos|rot|orientation|position|quaternion|rotation)([xyzw])$")
 _NUMBERED = re.compile(r"(?:(.*)\.)?q_?([0-3])$", re.IGNORECASE)  # of records, after the name of their part
 BILLION = 1_000_000_000
 UNITS_NS = {"s": BILLION, "ms": 1_000_000, "us": 1_000, "100ns": 100, "ns": 1}
-DATE = re.compile(r"(?:[0-9]{4}[-/.][0-9][0-9]?[-/.][0-9][0-9]?|[0-9][0-9]?[-/.][0-9][0-9]?[-/.][0-9]{4})$")
 
 _TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 _TIME_UNITS = {word: unit for unit, text in _TABLE["units"].items() for word in text.split()}
 _WORDS = {name: frozenset(text.split()) for name, text in _TABLE["words"].items()}
 _ROTATION, _POSITION, _VECTOR, _ANGLE, _DEGREES, _RADIANS, _EULER, *_REST = _WORDS.values()
-_ELSEWHERE, _TIMES, _DATES, _FRAMES, _OWN, _ANOTHERS, _STEPS, _DEVICES = _REST
+_ELSEWHERE, _TIMES, _FRAMES, _OWN, _ANOTHERS, _STEPS, _DEVICES = _REST
 _BODY = "(?:head|hmd|headset|device|camera|cam|eye|c|body|imu)"
 _WAYS = {way: form.replace("{body}", _BODY) for way, form in _TABLE["ways"].items()}
 _BARE_TURNS = ("rx", "ry", "rz")
@@ -58,7 +57,7 @@ _OFF = 0.02  # of a rotation's matrix
 _SYNTAX = (
     "t=TIME,p=X+Y+Z,q=X+Y+Z+W with names or numbers from 1, such as t=1,p=2+3+4,q=5+6+7+8; or m=2-17 in place of q"
 )
-_COUNTS = {"t": (1,), "p": (3,), "q": (4,), "m": (9, 12, 16), "r": (3,), "e": (3,)}
+_COUNTS = {"t": (1,), "p": (3,), "q": (4,), "m": (9, 12, 16), "e": (3,)}
 Three = tuple[int, int, int]
 Cells = tuple[int, ...]  # columns of 9, 12 or 16 numbers in the order of the file
 _SHAPES = {16: (4, 4), 12: (3, 4), 9: (3, 3)}
@@ -68,18 +67,14 @@ _PLACE = re.compile(r"(.*?)[._\[\s]*(\d{1,2})\]?$")
 
 @attrs.frozen
 class Made:
-    """Comma-separated rows that were made of what is no rows, and what the file says of them."""
+    """Rows that were made of what is no rows, and what the file says of them."""
 
     kind: str  # what `TraceFormat.kind` looks for
-    text: bytes
-    names: tuple[str, ...] = ()  # of the columns; (): they are in the text, or there are none
+    rows: list[list[str]]
+    names: tuple[str, ...] = ()  # of the columns, if they have any
     defects: tuple[Defect, ...] = ()  # found while the rows were made
     nested: Mapping[str, Defect] = attrs.field(factory=dict)  # those of one device's rows
     facts: Mapping[str, Any] = attrs.field(factory=dict)  # fields of Layout that the file states
-
-
-def rows_text(rows: Iterable[Iterable[str]]) -> bytes:
-    return "".join(f"{','.join(row)}\n" for row in rows).encode()
 
 
 @attrs.frozen
@@ -110,11 +105,10 @@ class Head:
     def cells(self, column: int) -> list[str]:
         return [row[column] for row in self.rows if len(row) > column and row[column]]
 
-    def numbers(self, columns: tuple[int, ...], commas: bool = True) -> NDArray[np.float64]:
+    def numbers(self, columns: tuple[int, ...]) -> NDArray[np.float64]:
         """Return (n, columns) of those of the first rows that have a number in each."""
-        rows = [[row[c] for c in columns] for row in self.rows if len(row) > max(columns)]
-        rows = [[f.replace(",", ".") if commas else f for f in row] for row in rows]
-        good = [row for row in rows if all(is_number(field) and "," not in field for field in row)]
+        rows = [[row[c].replace(",", ".") for c in columns] for row in self.rows if len(row) > max(columns)]
+        good = [row for row in rows if all(map(is_number, row))]
         return np.array(good, dtype=np.float64).reshape(-1, len(columns))
 
     def column(self, name: str) -> int | None:
@@ -128,25 +122,6 @@ class Head:
         how = {None: "blank", ",": "comma", ";": "semicolon", "\t": "tab"}[self.separator]
         named = f"the columns {', '.join(self.names)}" if self.names else "no header"
         return f"{self.width} {how}-separated columns and {named if len(named) < 160 else named[:157] + '...'}"
-
-
-@attrs.frozen
-class _Columns:
-    """Indices of the columns of one head."""
-
-    clocks: list[tuple[int, str | None]]  # the likeliest first: column, and unit if the name says it
-    pairs: list[tuple[int, int, str]]  # clocks in two columns: whole seconds, the rest, its unit
-    date: int | None  # beside a time
-    frames: int | None  # that numbers frames
-    orientation: tuple[int, ...] | None  # in the order x y z w, or as numbered
-    numbered: bool  # the quaternion's columns are q0..q3, whose order the names leave open
-    position: Three | None
-    length_m: float | None  # metres per unit if the name says it
-    device: int | None
-    vector: Three | None  # columns of a rotation vector
-    vector_unit: str  # "deg" or "rad" if the names say it
-    angles: Three | None  # columns of the angles about x, y and z
-    gravity: Three | None  # columns of the direction down, in the file's world
 
 
 def is_number(field: str) -> bool:  # with decimal point or comma
@@ -166,91 +141,91 @@ def names_rotation(name: str) -> bool:
 
 
 def has_pose(names: list[str]) -> bool:
-    found = find_columns(names)
+    found = Columns(names)
     return found.orientation is not None or bool(found.vector or named_matrices(names))
 
 
 def words(name: str) -> list[str]:
     """Return the lower-case words of a column name; those of the eye between both are one word."""
-    out: list[str] = []
-    for word in _WORD.findall(name):
-        low = word.lower()
-        glued = _GLUED.match(low)
-        if out and low == "eye" and out[-1] in ("center", "centre"):
-            out[-1] = "centereye"
-            continue
-        out += list(glued.groups()) if glued else [low]
-    return out
+    found = _WORD.findall(_BETWEEN.sub("Centereye", name))
+    return " ".join(_GLUED.sub(r"\1 \2", word.lower()) for word in found).split()
 
 
-def find_columns(names: list[str]) -> _Columns:
-    split = [words(n) for n in names]
-    groups: dict[tuple[str, ...], dict[str, int]] = defaultdict(dict)  # by the words beside the axis
-    orders: dict[tuple[str, ...], dict[str, int]] = defaultdict(dict)
-    lengths: dict[tuple[str, ...], float] = {}
-    for i, found in enumerate(split):
-        if found_number := _NUMBERED.match(names[i].strip()):
-            orders[tuple(words(found_number[1] or ""))].setdefault("xyzw"[int(found_number[2])], i)
-        unit = found[-1] if len(found) > 1 and found[-1] in LENGTHS else None
-        parts = found[:-1] if unit else found
-        axis = next((k for k in reversed(range(len(parts))) if parts[k] in "xyzw" and len(parts[k]) == 1), None)
-        if axis is None and set(parts) & _VECTOR and parts[-1] in ("0", "1", "2"):
-            axis, parts = len(parts) - 1, [*parts[:-1], "xyz"[int(parts[-1])]]
-        if axis is None:
-            continue
-        key = tuple(parts[:axis] + parts[axis + 1 :])
-        groups[key].setdefault(parts[axis], i)
-        if unit:
-            lengths[key] = LENGTHS[unit]
+class Columns:
+    """Indices of the columns of one head, by their names; None where there are none."""
 
-    def best(keys: Iterable[tuple[str, ...]]) -> tuple[str, ...] | None:
-        """Return the head's group: never a hand's or a gaze's; "head" first, else the plainest."""
-        heads = [k for k in keys if not set(k) & _ELSEWHERE]
-        return min(heads, key=lambda k: (not set(k) & set(_HEAD), len(k)), default=None)
+    def __init__(self, names: list[str]) -> None:
+        split = [words(n) for n in names]
+        self._find_clocks(split)
+        letters = [re.sub("[^a-z]", "", n.lower()) for n in names]
+        self.frames = next((i for i, name in enumerate(letters) if name in _FRAMES), None)
+        self.device = next((i for i, name in enumerate(letters) if name in _DEVICES), None)
+        groups: dict[tuple[str, ...], dict[str, int]] = defaultdict(dict)  # by the words beside the axis
+        orders: dict[tuple[str, ...], dict[str, int]] = defaultdict(dict)
+        lengths: dict[tuple[str, ...], float] = {}
+        for i, found in enumerate(split):
+            if found_number := _NUMBERED.match(names[i].strip()):
+                orders[tuple(words(found_number[1] or ""))].setdefault("xyzw"[int(found_number[2])], i)
+            unit = found[-1] if len(found) > 1 and found[-1] in LENGTHS else None
+            parts = found[:-1] if unit else found
+            axis = next((k for k in reversed(range(len(parts))) if parts[k] in "xyzw" and len(parts[k]) == 1), None)
+            if axis is None and set(parts) & _VECTOR and parts[-1] in ("0", "1", "2"):
+                axis, parts = len(parts) - 1, [*parts[:-1], "xyz"[int(parts[-1])]]
+            if axis is not None:
+                key = tuple(parts[:axis] + parts[axis + 1 :])
+                groups[key].setdefault(parts[axis], i)
+                lengths |= {key: LENGTHS[unit]} if unit else {}
 
-    def xyz(key: tuple[str, ...] | None) -> Three | None:
-        return None if key is None else (groups[key]["x"], groups[key]["y"], groups[key]["z"])
+        def best(keys: Iterable[tuple[str, ...]]) -> tuple[str, ...] | None:
+            """Return the head's group, no hand's or gaze's: "head" first, else the plainest."""
+            heads = [k for k in keys if not set(k) & _ELSEWHERE]
+            return min(heads, key=lambda k: (not set(k) & set(_HEAD), len(k)), default=None)
 
-    turn_key = best(k for k, g in groups.items() if len(g) == 4 and (set(k) & _ROTATION or not k))
-    order_key = best(key for key, order in orders.items() if len(order) == 4) if turn_key is None else None
-    turn = groups[turn_key] if turn_key is not None else orders[order_key] if order_key is not None else None
-    triples = [k for k, g in groups.items() if {"x", "y", "z"} <= set(g)]
-    place_key = best(k for k in triples if k != turn_key and (set(k) & _POSITION or set(k) <= set(_HEAD)))
-    pairs = (_ROTATION, {"vector", "vec"}), ({"axis"}, {"angle"})  # of words that say together what a vector is
-    turning = [k for k in triples if set(k) & _VECTOR or any(set(k) & a and set(k) & b for a, b in pairs)]
-    # An axis with its angle in a column of its own is no vector.
-    angled = any(set(parts) & _ANGLE and not set(parts) & (_ELSEWHERE | {*"xyz"}) for parts in split)
-    vector = xyz(best(k for k in turning if "w" not in groups[k] and not (angled and "axis" in k)))
-    about = {word for column in vector or () for word in split[column]}
-    told = [(i, parts) for i, parts in enumerate(split) if parts and not set(parts) & (_ELSEWHERE | _STEPS)]
-    seconds = {tuple(parts[:-1]): i for i, parts in told if _TIME_UNITS.get(parts[-1]) == "s"}
-    rests = [(seconds.get(tuple(parts[:-1])), i, _TIME_UNITS.get(parts[-1], "s")) for i, parts in told]
-    clocks: list[tuple[int, int, str | None]] = []  # rank, column, unit
-    for i, parts in told:
-        said = _TIME_UNITS.get(parts[-1]) if len(parts) > 1 else None
-        rest = parts[:-1] if said else parts
-        joined = "".join(rest)
-        if joined in _TIMES:
-            clocks.append((0, i, said))
-        elif "date" not in parts and (set(rest) & (_TIMES - {"t"}) or re.search("timest(amp|ep)", joined)):
-            clocks.append((1, i, said))
-    named = {word: i for i, parts in enumerate(split) for word in set(parts) & set(_ANGLES)}
-    turns = {axis: named[word] for word, axis in _ANGLES.items() if word in named}
-    turns = {axis: column for axis, column in turns.items() if not set(split[column]) & _ELSEWHERE}
-    bare = {parts[0][1]: i for i, parts in enumerate(split) if parts and parts[0] in _BARE_TURNS}
-    angles = next(((at["x"], at["y"], at["z"]) for at in (turns, bare) if len(at) == 3), None)
-    return _Columns(
-        clocks=[(i, said) for _, i, said in sorted(clocks, key=lambda clock: clock[:2])],
-        pairs=[(whole, i, unit) for whole, i, unit in rests if unit != "s" and whole is not None],
-        date=next((i for i, parts in told if set(parts) & _DATES), None),
-        frames=next((i for i, n in enumerate(names) if "".join(re.findall("[a-z]+", n.lower())) in _FRAMES), None),
-        orientation=None if turn is None else tuple(turn[part] for part in "xyzw"), numbered=order_key is not None,
-        position=xyz(place_key), length_m=None if place_key is None else lengths.get(place_key),
-        device=next((i for i, n in enumerate(names) if re.sub(r"[^a-z]", "", n.lower()) in _DEVICES), None),
-        angles=angles or xyz(best(k for k in triples if set(k) & (_ROTATION | _EULER))),
-        gravity=xyz(next((k for k in triples if "gravity" in k), None)), vector=vector,
-        vector_unit="deg" if about & _DEGREES else "rad" if about & _RADIANS else "",
-    )  # fmt: skip
+        def xyz(key: tuple[str, ...] | None) -> Three | None:
+            return None if key is None else (groups[key]["x"], groups[key]["y"], groups[key]["z"])
+
+        turn_key = best(k for k, g in groups.items() if len(g) == 4 and (set(k) & _ROTATION or not k))
+        order_key = best(key for key, order in orders.items() if len(order) == 4) if turn_key is None else None
+        turn = groups[turn_key] if turn_key is not None else orders[order_key] if order_key is not None else None
+        self.orientation = None if turn is None else tuple(turn[part] for part in "xyzw")  # or as numbered
+        self.numbered = order_key is not None  # they are q0 .. q3, whose order the names leave open
+        triples = [k for k, g in groups.items() if {"x", "y", "z"} <= set(g)]
+        place_key = best(k for k in triples if k != turn_key and (set(k) & _POSITION or set(k) <= set(_HEAD)))
+        self.position = xyz(place_key)
+        self.length_m = None if place_key is None else lengths.get(place_key)  # metres per unit
+        self.gravity = xyz(next((k for k in triples if "gravity" in k), None))  # the direction down
+        pairs = (_ROTATION, {"vector", "vec"}), ({"axis"}, {"angle"})  # of words that say together what a vector is
+        turning = [k for k in triples if set(k) & _VECTOR or any(set(k) & a and set(k) & b for a, b in pairs)]
+        # An axis with its angle in a column of its own is no vector.
+        angled = any(set(parts) & _ANGLE and not set(parts) & (_ELSEWHERE | {*"xyz"}) for parts in split)
+        # A rotation vector, and "deg" or "rad" if the names say it.
+        self.vector = xyz(best(k for k in turning if "w" not in groups[k] and not (angled and "axis" in k)))
+        about = {word for column in self.vector or () for word in split[column]}
+        self.vector_unit = "deg" if about & _DEGREES else "rad" if about & _RADIANS else ""
+        named = {word: i for i, parts in enumerate(split) for word in set(parts) & set(_ANGLES)}
+        axes = ((axis, named[word]) for word, axis in _ANGLES.items() if word in named)
+        turns = {axis: column for axis, column in axes if not set(split[column]) & _ELSEWHERE}
+        bare = {parts[0][1]: i for i, parts in enumerate(split) if parts and parts[0] in _BARE_TURNS}
+        angles = next(((at["x"], at["y"], at["z"]) for at in (turns, bare) if len(at) == 3), None)
+        self.angles = angles or xyz(best(k for k in triples if set(k) & (_ROTATION | _EULER)))  # about x, y and z
+
+    def _find_clocks(self, split: list[list[str]]) -> None:
+        told = [(i, parts) for i, parts in enumerate(split) if parts and not set(parts) & (_ELSEWHERE | _STEPS)]
+        seconds = {tuple(parts[:-1]): i for i, parts in told if _TIME_UNITS.get(parts[-1]) == "s"}
+        rests = [(seconds.get(tuple(parts[:-1])), i, _TIME_UNITS.get(parts[-1], "s")) for i, parts in told]
+        # Clocks in two columns: whole seconds, the rest, its unit.
+        self.pairs = [(whole, i, unit) for whole, i, unit in rests if unit != "s" and whole is not None]
+        clocks: list[tuple[int, int, str | None]] = []  # rank, column, unit
+        for i, parts in told:
+            said = _TIME_UNITS.get(parts[-1]) if len(parts) > 1 else None
+            rest = parts[:-1] if said else parts
+            joined = "".join(rest)
+            if joined in _TIMES:
+                clocks.append((0, i, said))
+            elif "date" not in parts and (set(rest) & (_TIMES - {"t"}) or re.search("timest(amp|ep)", joined)):
+                clocks.append((1, i, said))
+        # The likeliest first: column, and unit if the name says it.
+        self.clocks = [(i, said) for _, i, said in sorted(clocks, key=lambda clock: clock[:2])]
 
 
 def named_matrices(names: list[str]) -> list[Cells]:
@@ -263,15 +238,14 @@ def named_matrices(names: list[str]) -> list[Cells]:
         if found := _PLACE.match(name):
             runs[found[1]].setdefault(int(found[2]), i)
     matrices: list[tuple[str, Cells]] = []
+    shapes = [(*shape, first) for shape in _SHAPES.values() for first in (0, 1)]
+    wholes = [[(first + r, first + c) for r in range(high) for c in range(wide)] for high, wide, first in shapes]
     for name, group in grids.items():
-        shapes = ((*shape, first) for shape in _SHAPES.values() for first in (0, 1))
-        wholes = ([(first + r, first + c) for r in range(high) for c in range(wide)] for high, wide, first in shapes)
-        whole = next((cells for cells in wholes if set(cells) <= set(group)), [])
+        whole = next((cells for cells in wholes if set(cells) <= set(group)), None)
         matrices += [(name, tuple(group[cell] for cell in whole))] if whole else []
     for name, run in runs.items():
-        places, first = sorted(run), min(run)
-        if len(run) in _SHAPES and first <= 1 and places == [*range(first, first + len(run))]:
-            matrices.append((name, tuple(run[place] for place in places)))
+        if len(run) in _SHAPES and (first := min(run)) <= 1 and set(run) == {*range(first, first + len(run))}:
+            matrices.append((name, tuple(column for _, column in sorted(run.items()))))
 
     def rank(one: tuple[str, Cells]) -> tuple[bool, int, int]:
         other = bool(set(words(one[0])) & {"projection", "proj", "view", "inverse", "inv"})
@@ -284,7 +258,7 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
     """Return a layout from the header's names and the facts of the format. Errors: TraceError."""
     if not (names := head.names):
         raise TraceError(f"{head.path} has no header ({head.describe()}): its columns cannot be told apart")
-    found = find_columns(names)
+    found = Columns(names)
     facts: dict[str, Any] = {"time": None, "position": found.position, "device": _column_of_devices(head)}
     facts |= {"unit_by": By.FORMAT if "unit" in known else By.FILE, "scale": found.length_m or 1.0}
     facts["scale_by"] = By.FILE if found.length_m else By.DEFAULT
@@ -310,11 +284,8 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
         if time is not None and others:
             done = f"{names[time]} taken; --time-column takes another"
             caveats += (Defect("clocks-several", f"its rows have other clocks as well ({others})", done),)
-        days, hours = ([] if column is None else head.cells(column) for column in (found.date, time))
-        if days and hours and all(map(DATE.match, days)) and all(re.match("[0-9]{1,2}:", hour) for hour in hours):
-            facts |= {"rest": found.date, "rest_unit": "date"}
-    if found.gravity and len(down := head.numbers(found.gravity, commas=False)):
-        facts["gravity_down"] = tuple(sum(column) / len(down) for column in zip(*down.tolist(), strict=True))
+    if found.gravity and len(down := head.numbers(found.gravity)):
+        facts["gravity_down"] = tuple(down.mean(axis=0).tolist())
     gaze = tuple(column for name in known.pop("gaze", ()) if (column := head.column(name)) is not None)
     turn = _turn(head, found, options, known)
     text = " ".join("_".join(words(names[column])) for column in turn["orientation"])
@@ -325,7 +296,7 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
     return Layout(**(facts | turn | known), gaze=gaze if len(gaze) > 2 else (), caveats=caveats)
 
 
-def _turn(head: Head, found: _Columns, options: TraceOptions, known: dict[str, Any]) -> dict[str, Any]:
+def _turn(head: Head, found: Columns, options: TraceOptions, known: dict[str, Any]) -> dict[str, Any]:
     """Return how the orientation is read: fields of Layout. Errors: TraceError."""
     euler = known.pop("euler", None) if options.euler is None else parse_euler(options.euler)
     order, twin = options.quat_order, known.pop("angles_refused", "")
@@ -344,11 +315,8 @@ def _turn(head: Head, found: _Columns, options: TraceOptions, known: dict[str, A
         return matrix | {"position": matrix["position"] or found.position}
     if found.vector and (euler is None or euler.order == VECTOR):
         by = By.USER if options.euler else By.FILE if found.vector_unit else By.DEFAULT
-        return {
-            "orientation": found.vector,
-            "euler": euler or Euler(VECTOR, found.vector_unit == "deg"),
-            "order_by": by,
-        }
+        euler = euler or Euler(VECTOR, found.vector_unit == "deg")
+        return {"orientation": found.vector, "euler": euler, "order_by": by}
     if found.angles is not None and twin:
         raise TraceError(f"{head.path} {twin}")
     if euler is not None and found.angles is not None:
@@ -364,21 +332,21 @@ def _turn(head: Head, found: _Columns, options: TraceOptions, known: dict[str, A
     raise TraceError(f"{head.path} has no head orientation among {head.describe()}; see 'hmdwarp list formats'")
 
 
-def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, unit: str | None) -> Layout:
+def unnamed_layout(head: Head, options: TraceOptions, order: str, unit: str) -> Layout:
     """Return the layout of time, position and quaternion in this order, without a header.
 
-    Named as a format, the file has w as that has it. Blank-separated it is TUM's, w last, as evo
-    and others write it; otherwise the order must be stated. Errors: TraceError.
+    Named as a format, the file has w and the unit as that has it. Blank-separated it is TUM's, w
+    last, as evo and others write it; otherwise the order must be stated. Errors: TraceError.
     """
     if head.width < 8:
         raise TraceError(f"{head.path}: line {head.first_line}: {head.width} columns, expected 8: a time and a pose")
-    known = options.quat_order or (order if options.format == name else None)
-    assumed = known is None and head.separator is None
-    stated = By.FORMAT if options.format == name else By.DEFAULT
+    is_named = options.format is not None
+    known = options.quat_order or (order if is_named else None)
+    assumed, stated = known is None and head.separator is None, By.FORMAT if is_named else By.DEFAULT
     return Layout(
-        0, ordered(head, (4, 5, 6, 7), "xyzw" if assumed else known), position=(1, 2, 3), unit=unit, unit_by=By.FORMAT,
-        columns_by=stated, order_by=By.USER if options.quat_order else stated,
-        caveats=(_ORDER_ASSUMED,) if assumed else (),
+        0, ordered(head, (4, 5, 6, 7), "xyzw" if assumed else known), position=(1, 2, 3),
+        unit=unit if is_named else None, unit_by=By.FORMAT, columns_by=stated,
+        order_by=By.USER if options.quat_order else stated, caveats=(_ORDER_ASSUMED,) if assumed else (),
     )  # fmt: skip
 
 
@@ -403,7 +371,7 @@ def _column_of(head: Head, word: str) -> int:
 
 def _column_of_devices(head: Head) -> int | None:
     """Return the column that names devices, by its own name or by heads or hands in its rows."""
-    if (named := find_columns(head.names).device) is not None:
+    if (named := Columns(head.names).device) is not None:
         return named
     for column in range(len(head.names)):
         fields = [row[column] for row in head.rows if column < len(row)]
@@ -416,7 +384,7 @@ def _column_of_devices(head: Head) -> int | None:
 
 def with_clock(head: Head, layout: Layout, options: TraceOptions) -> Layout:
     """Return the layout with the clock that the options name, or their rate. Errors: TraceError."""
-    frames, rate = find_columns(head.names).frames, options.rate
+    frames, rate = Columns(head.names).frames, options.rate
     if options.time_column is not None:
         frames = _column_of(head, options.time_column)
         layout = attrs.evolve(layout, time=frames, unit=None, rest=None)
@@ -427,20 +395,21 @@ def with_clock(head: Head, layout: Layout, options: TraceOptions) -> Layout:
         if options.time_unit == FRAMES:
             raise TraceError(f"{head.path}: frame numbers are no times: --trace-rate gives the frames per second")
         return layout
-    if options.time_unit == FRAMES:
+    is_counted = options.time_unit == FRAMES
+    if is_counted:
         frames = layout.time if frames is None or options.columns else frames
         if frames is None:
             raise TraceError(f"{head.path} numbers no frames ({head.describe()}): --time-column names the column")
-        return attrs.evolve(layout, time=frames, unit=FRAMES, rest=None)
-    if frames is not None:
+    elif frames is not None:
         numbers = head.numbers((frames,))[:, 0]
         steps = np.diff(numbers)
         whole = len(steps) > 0 and bool((steps > 0).all() and (numbers % 1 == 0).all())
-        if whole and (options.time_column or float(np.median(steps)) == 1):
-            return attrs.evolve(layout, time=frames, unit=FRAMES, rest=None)
-        if options.time_column:
+        is_counted = whole and (options.time_column is not None or float(np.median(steps)) == 1)
+        if options.time_column and not whole:
             what = f"{head.name_of(frames)} numbers no frames, which --trace-rate would count"
             raise TraceError(f"{head.path}: {what}: leave one of --time-column and --trace-rate out")
+    if is_counted:
+        return attrs.evolve(layout, time=frames, unit=FRAMES, rest=None)
     return attrs.evolve(layout, time=None, clock_ignored=layout.time is not None)
 
 
@@ -467,7 +436,7 @@ def stated_layout(head: Head, options: TraceOptions, _facts: Mapping[str, Any]) 
             each = map(str, range(int(span[1]), int(span[2]) + 1))
         if value:
             stated[key.strip()] = tuple(_column_of(head, word) for word in each)
-    turns = [key for key in stated if key in "qmre"]
+    turns = [key for key in stated if key in "qme"]
     counts = all(len(columns) in _COUNTS.get(key, ()) for key, columns in stated.items())
     if len(stated) != len(parts) or len(turns) != 1 or not counts:
         raise InputError(f"--columns '{text}': expected {_SYNTAX}")
@@ -477,12 +446,10 @@ def stated_layout(head: Head, options: TraceOptions, _facts: Mapping[str, Any]) 
         facts = _of_matrix(head, columns, options.matrix)
     elif key == "q":
         facts["orientation"] = ordered(head, columns, options.quat_order or "xyzw")
-    elif key == "e" and options.euler is None:
+    elif options.euler is None:
         raise InputError("--columns e= names angles: --euler states their order and unit (ZXY,deg is Unity's)")
-    elif options.euler:
-        facts["euler"] = parse_euler(options.euler)
     else:
-        facts |= {"euler": Euler(VECTOR, degrees=False), "order_by": By.DEFAULT}
+        facts["euler"] = parse_euler(options.euler)
     (time,), place = stated.get("t", (None,)), facts.get("position") or stated.get("p")
     return Layout(time=time, columns_by=By.USER, device=_column_of_devices(head), **facts | {"position": place})
 
@@ -519,17 +486,14 @@ def _arranged(head: Head, cells: Cells, order: str | None) -> dict[str, Any] | N
     return {"orientation": turn, "position": place or None, "matrix": matrix, "order_by": By.USER if order else by}
 
 
-# What a table of a format names where a header does not tell: its score, and how it is read.
-
-
 def _sniff_frames(head: Head) -> int:
     """Recognise six bare columns: the second a frame number, the last four of length 1."""
-    if head.names or head.separator is not None or head.width != 6:
+    rows = [row for row in head.rows if len(row) == 6 and all(map(is_number, row))]
+    if head.names or head.separator is not None or head.width != 6 or not all(are_digits(row[1]) for row in rows):
         return 0
-    rows = [r for r in head.rows if len(r) == 6 and all(map(is_number, r))]
-    counted = bool(rows) and all(are_digits(r[1]) for r in rows)
-    unit = sum(abs(math.hypot(*[float(f.replace(",", ".")) for f in r[2:6]]) - 1) < 0.05 for r in rows)
-    return 60 if counted and 2 * unit > len(rows) and rows == sorted(rows, key=lambda r: int(r[1])) else 0
+    numbers = head.numbers((0, 1, 2, 3, 4, 5))
+    unit = np.abs(np.linalg.norm(numbers[:, 2:], axis=1) - 1) < 0.05
+    return 60 if 2 * unit.sum() > len(unit) and (np.diff(numbers[:, 1]) >= 0).all() else 0
 
 
 def _of_frames(head: Head, options: TraceOptions, facts: Mapping[str, Any]) -> Layout:
@@ -562,16 +526,16 @@ def _of_matrices(head: Head, options: TraceOptions, _: Mapping[str, Any]) -> Lay
             step = float(np.median(steps)) if len(steps) else 0.0
             likely = column < cells[0], len(set(numbers.tolist())), bool((numbers % 1).any()), step
             clocks.append((likely, -column))
-    time = -max(clocks)[1] if clocks else None
-    return Layout(time=time, columns_by=By.DEFAULT, **matrix)
+    return Layout(time=-max(clocks)[1] if clocks else None, columns_by=By.DEFAULT, **matrix)
 
 
+# What a table of a format names where a header does not tell: its score, and how it is read.
 SNIFFS: dict[str, Callable[[Head], int]] = {
     "named": lambda head: 10 * bool(head.names),
     "json": lambda head: 20 * (head.kind == "json" and bool(head.names)),
     "ros2": lambda head: 50 * (
         any("header" in name.lower() for name in head.names)
-        and any(unit == "ns" for *_, unit in find_columns(head.names).pairs)
+        and any(unit == "ns" for *_, unit in Columns(head.names).pairs)
     ),
     "matrices": lambda head: 50 * (
         not head.names and sum(map(is_number, head.rows[0])) >= 12 and _bare_matrix(head) is not None

@@ -26,17 +26,16 @@ from ...base.documents import DocumentError, json_in, parse_json
 from ...base.named_files import FACTS, LIST, content_of, text_in
 from ..assumptions import By, Defect
 from ..options import Euler
-from .columns import COMMENT_SIGNS, LENGTHS, Made, has_pose, head_rank, names_rotation, rows_text
+from .columns import COMMENT_SIGNS, LENGTHS, Made, has_pose, head_rank, names_rotation
 
 _LEAST_RECORDS = 2
 _NAMES = ("schema", "columns", "header", "headers", "fields", "names", "keys")
 # IWER's frames hold time, position, quaternion, then a list for each input.
 _IWER = ("time_ms", "x", "y", "z", "qx", "qy", "qz", "qw")
-_BROWSER = ("device", *_IWER)  # a head in a line of session.jsonl, behind the name of its session
 
 
 def table_of_json(path: Path, raw: bytes) -> Made | None:
-    """Return comma-separated rows for JSON lines, or for a document with a list of records.
+    """Return rows for JSON lines, or for a document with a list of records.
 
     Names of nested objects are joined by a dot; three numbers in a list become x, y and z, four of
     a rotation q0 to q3, a list of lists the cells of a matrix. Records of another kind than the
@@ -55,10 +54,10 @@ def table_of_json(path: Path, raw: bytes) -> Made | None:
             document = [parse_json(line) for line in text.splitlines() if line.strip()]
         except DocumentError:
             return None
-    if frames := _iwer_frames(document):
-        return Made("iwer", rows_text(map(str, frame) for frame in frames), _IWER)
-    if heads := list(_browser_heads(document)):
-        return Made("browser", rows_text(heads), _BROWSER)
+    if rows := _iwer_rows(document):
+        return Made("iwer", rows, _IWER)
+    if rows := _browser_rows(document):
+        return Made("browser", rows, ("device", *_IWER))
     flat = ((records, _flat(records[-1])) for records in _lists(document))  # the first may be a header
     ranked = [((has_pose(list(last)), len(records), len(last)), records) for records, last in flat]
     records = max(ranked, key=itemgetter(0), default=((), []))[1]
@@ -71,36 +70,35 @@ def table_of_json(path: Path, raw: bytes) -> Made | None:
     kinds = Counter(tuple(row) for row in found)
     likely: tuple[str, ...] = max(kinds, key=lambda k: (kinds[k] >= _LEAST_RECORDS and has_pose(list(k)), kinds[k]))
     wanted = set(likely)
-    rows = [row for row in found if 2 * len(wanted & set(row)) >= len(wanted)]
-    others = len(found) - len(rows)
+    likely_rows = [row for row in found if 2 * len(wanted & set(row)) >= len(wanted)]
+    others = len(found) - len(likely_rows)
     what = f"{counted(others, 'record')} of another kind than the poses"
     defects = [Defect("record-of-another-kind", what, "left out", others)] if others else []
-    names = tuple(dict.fromkeys(name for row in rows[:100] for name in row))
+    names = tuple(dict.fromkeys(name for row in likely_rows[:100] for name in row))
     named = any(name.strip(".0123456789") for name in names)  # not by places in a list alone
-    made = rows_text((str(row.get(name, "")) for name in names) for row in rows)
-    return Made("json", made, names if named else (), tuple(defects))
+    rows = [[row.get(name, "") for name in names] for row in likely_rows]
+    return Made("json", rows, names if named else (), tuple(defects))
 
 
-def _iwer_frames(document: Any) -> list[list[Any]]:
+def _iwer_rows(document: Any) -> list[list[str]]:
     """Return the frames of a recording of IWER anywhere in a document, [] for any other."""
     if not isinstance(document, dict):
         return []
     schema, frames = document.get("schema"), document.get("frames")
     if not (isinstance(schema, list) and isinstance(frames, list)):
-        return next(filter(None, map(_iwer_frames, document.values())), [])
+        return next(filter(None, map(_iwer_rows, document.values())), [])
     inputs = all(isinstance(entry, list) and len(entry) == 2 and isinstance(entry[1], dict) for entry in schema)
     poses = [frame[: len(_IWER)] for frame in frames if isinstance(frame, list) and len(frame) >= len(_IWER)]
-    numbers = bool(poses) and all(isinstance(value, int | float) for value in poses[0])
-    return poses if inputs and numbers and len(poses) >= _LEAST_RECORDS else []
+    numbers = len(poses) >= _LEAST_RECORDS and all(isinstance(value, int | float) for value in poses[0])
+    return [[*map(str, pose)] for pose in poses] if inputs and numbers else []
 
 
-def _browser_heads(document: Any) -> Iterator[list[str]]:
-    """Yield the heads of a session.jsonl of `hmdwarp serve --web`, none of any other document."""
-    for line in document if isinstance(document, list) else [document]:
-        if isinstance(line, dict) and {"session", "delays_ms"} <= set(line) and isinstance(line.get("heads"), list):
-            for head in line["heads"]:
-                if isinstance(head, list) and len(head) == len(_IWER):
-                    yield [str(cell).replace(",", " ").replace("\n", " ") for cell in (line["session"], *head)]
+def _browser_rows(document: Any) -> list[list[str]]:
+    """Return the heads of a session.jsonl of `hmdwarp serve --web`, [] of any other document."""
+    lines = [line for line in (document if isinstance(document, list) else [document]) if isinstance(line, dict)]
+    lines = [line for line in lines if {"session", "delays_ms"} <= set(line) and isinstance(line.get("heads"), list)]
+    heads = [(line["session"], head) for line in lines for head in line["heads"] if isinstance(head, list)]
+    return [[*map(str, (session, *head))] for session, head in heads if len(head) == len(_IWER)]
 
 
 def _lists(document: Any) -> Iterator[list[Any]]:
@@ -136,7 +134,7 @@ def _are_names(value: Any) -> bool:
     return isinstance(value, list) and len(value) > 4 and all(isinstance(name, str) for name in value)
 
 
-def _flat(value: Any, name: str = "") -> dict[str, Any]:
+def _flat(value: Any, name: str = "") -> dict[str, str]:
     if isinstance(value, dict):
         parts = [(f"{name}.{key}" if name else str(key), part) for key, part in value.items()]
     elif isinstance(value, list):
@@ -151,7 +149,7 @@ def _flat(value: Any, name: str = "") -> dict[str, Any]:
             places = [f"q{i}" for i in range(4)]
         parts = [(f"{name}.{place}", part) for place, part in zip(places, value, strict=True)]
     else:
-        return {name: "" if value is None else str(value).replace(",", " ").replace("\n", " ")}
+        return {name: "" if value is None else str(value)}
     return {key: number for one, part in parts for key, number in _flat(part, one).items()}
 
 
@@ -171,19 +169,9 @@ _ROTATOR = {"r": "x", "p": "y", "y": "z", "roll": "x", "pitch": "y", "yaw": "z"}
 _ROTATORS = {"p", "y", "r"}, {"pitch", "yaw", "roll"}
 
 
-def cells_reader(start: bytes) -> Callable[[Path, str], Made | None] | None:
-    """Return what reads rows with several numbers in a cell, None for any others."""
-    lines = start.decode("utf-8", "replace").splitlines()[:_PREAMBLE]
-    rows = list(itertools.islice((line[:_LONGEST] for line in lines if _is_row(line)), _SAMPLE))
-    return _cells_made if sum(_SUSPECT.search(row) is not None for row in rows) * 2 > len(rows) else None
-
-
-def _cells_made(path: Path, text: str) -> Made | None:
-    """Return one column for each number of the cells; None where cells cannot be separated.
-
-    Errors: TraceError where no header names them.
-    """
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
+def _cells_made(path: Path, raw: bytes) -> Made | None:
+    """Return one column for each number of the cells; None where cells cannot be separated."""
+    lines = [line.strip() for line in _text(raw).splitlines() if line.strip()]
     begin = next((i for i, line in enumerate(lines) if _is_row(line)), None)
     if begin is None:
         return None
@@ -211,11 +199,16 @@ def _cells_made(path: Path, text: str) -> Made | None:
         names += [about] if len(parts) == 1 else [f"{about}.{label}" for label in labels]
     if len(set(names)) < len(names):
         return None
-    rows = [[text for cell in _cells(line, separator) for _, text in _parts(cell)] for line in lines[begin:]]
-    unreal, facts = _UNREAL.search(lines[begin]) is not None, dict[str, Any]()
+    lines = [line for line in lines[begin:] if not line.startswith(COMMENT_SIGNS)]
+    rows = [[text for cell in _cells(line, separator) for _, text in _parts(cell)] for line in lines]
+    unreal, facts = _UNREAL.search(lines[0]) is not None, dict[str, Any]()
     if unreal and any({label for label, _ in parts} in _ROTATORS for parts in first):
         facts = {"euler": Euler("xyz", True, (-1, -1, 1)), "order_by": By.FORMAT}
-    return Made("unreal" if unreal else "vectors", rows_text(rows), tuple(names), facts=facts)
+    return Made("unreal" if unreal else "vectors", rows, tuple(names), facts=facts)
+
+
+def _text(raw: bytes) -> str:
+    return raw.decode("utf-8-sig", "replace")
 
 
 def _is_row(line: str) -> bool:
@@ -251,7 +244,7 @@ def _parts(cell: str) -> list[tuple[str, str]]:
     found = [part for part in re.split(r"[;,\s]+", inner) if part]
     if len(found) > 1 and all(_PLAIN.match(part) for part in found):
         return [("", part) for part in found]
-    return [("", bare.replace(",", " "))]
+    return [("", bare)]
 
 
 def _of_bodies(
@@ -260,12 +253,12 @@ def _of_bodies(
 ) -> Made:  # fmt: skip
     """Return a row for each body of each line, a time and cells, where it has all numbers."""
     rows = [
-        [time, name.replace(",", " "), *(line[c] for c in columns)]
+        [time, name, *(line[c] for c in columns)]
         for time, line in lines
         for name, columns in bodies.items()
         if len(line) > max(columns) and all(line[c] for c in columns)
     ]
-    return Made(kind, rows_text(rows), ("time_s", "device", *names), facts=facts)
+    return Made(kind, rows, ("time_s", "device", *names), facts=facts)
 
 
 _QUALISYS_EACH = 16  # columns of a body: X Y Z Roll Pitch Yaw Residual Rot[0] .. Rot[8]
@@ -276,8 +269,8 @@ _QUALISYS_FACTS = {"matrix": "by columns (Rot[0] Rot[1] Rot[2] is the first)", "
 _QUALISYS_FACTS |= dict.fromkeys(("order_by", "scale_by"), By.FORMAT)
 
 
-def _qualisys_made(path: Path, text: str) -> Made:
-    lines = [line.rstrip("\r\n\t").split("\t") for line in text.splitlines()]
+def _qualisys_made(path: Path, raw: bytes) -> Made:
+    lines = [line.rstrip("\r\n\t").split("\t") for line in _text(raw).splitlines()]
     begin = next((i for i, row in enumerate(lines) if "Rot[0]" in row), None)
     about = {row[0]: row[1:] for row in lines[:begin]}
     if begin is None:
@@ -293,12 +286,10 @@ def _qualisys_made(path: Path, text: str) -> Made:
         stated = "".join(about.get("FREQUENCY", [])[:1])
         rate = float(stated) if re.fullmatch(r"[0-9]+(\.[0-9]+)?", stated) else 0.0
         if not rate:
-            what = "a Qualisys export with neither a column Time nor a FREQUENCY: export it with them"
-            raise TraceError(f"{path}: {what}")
+            raise TraceError(f"{path}: a Qualisys export with no column Time and no FREQUENCY: export it with one")
         times = [repr(i / rate) for i in range(len(lines))]
-    columns = {
-        name: [first + body * _QUALISYS_EACH + part for part in _QUALISYS_READ] for body, name in enumerate(bodies)
-    }
+    begins = zip(bodies, itertools.count(first, _QUALISYS_EACH), strict=False)
+    columns = {name: [begin + part for part in _QUALISYS_READ] for name, begin in begins}
     return _of_bodies("qualisys", zip(times, lines, strict=True), columns, _QUALISYS_NAMES, _QUALISYS_FACTS)
 
 
@@ -306,8 +297,8 @@ _MOTIVE_LENGTHS = {"meters": 1.0, "centimeters": 0.01, "millimeters": 0.001, "in
 _BODIES = ("rigidbody", "bone", "skeletonbone")
 
 
-def _motive_made(path: Path, text: str) -> Made:
-    lines = list(csv.reader(text.splitlines()))
+def _motive_made(path: Path, raw: bytes) -> Made:
+    lines = list(csv.reader(_text(raw).splitlines()))
     begin = next((i for i, row in enumerate(lines) if row[:1] == ["Frame"]), None)
     if begin is None or begin < 4:
         raise TraceError(f"{path}: a Motive export without its lines of names above 'Frame': export it with header")
@@ -342,48 +333,47 @@ _DIRECTIONS = {
 }
 
 
-def _bids_made(path: Path, text: str) -> Made:
-    stem, beside = str(path).removesuffix(_ENDING), path.with_name(path.name.removesuffix(_ENDING) + "_channels.tsv")
+def _bids_made(path: Path, raw: bytes) -> Made:
+    stem = str(path).removesuffix(_ENDING)
+    beside, points = Path(f"{stem}_channels.tsv"), defaultdict[str, dict[str, int]](dict)
     if not beside.exists():
         raise TraceError(f"{path}: BIDS describes its columns in {beside.name}, which is not beside it")
     said = csv.DictReader(text_in(beside, _BESIDE, beside.parent).splitlines(), delimiter="\t")
     channels = [{key: row.get(key) or "n/a" for key in _COLUMNS} for row in said]
-    kinds, found = [channel["type"].upper() for channel in channels], defaultdict[str, dict[str, int]](dict)
+    kinds = [channel["type"].upper() for channel in channels]
     for i, (kind, channel) in enumerate(zip(kinds, channels, strict=True)):
         if kind in ("POS", "ORNT"):
-            found[channel["tracked_point"]][f"{kind}.{channel['component']}"] = i
-    points = {name: at for name, at in found.items() if any(part.startswith("ORNT") for part in at)}
-    if not points:
+            points[channel["tracked_point"]][f"{kind}.{channel['component']}"] = i
+    turned = [name for name, at in points.items() if any(part.startswith("ORNT") for part in at)]
+    if not turned:
         raise TraceError(f"{path}: its channels hold no orientation (type ORNT): expected quat_x .. quat_w or angles")
-    at = points[min(points, key=head_rank)]
+    at = points[min(turned, key=head_rank)]
+    turn = [f"ORNT.{part}" for part in _QUATERNION]
+    turn = turn if set(turn) <= set(at) else [f"ORNT.{axis}" for axis in "xyz" if f"ORNT.{axis}" in at]
+    parts = [part for part in at if part.startswith("POS")] + turn
+    bodies = {name: [found[part] for part in parts] for name, found in points.items() if set(parts) <= set(found)}
+    facts = _bids_facts(stem, channels, at)
+    against = facts.pop("against", False)  # turns go against the hand of the axes
+    signed = [found[part] for found in points.values() for part in _TURNING & found.keys() if against]
     clock = kinds.index("LATENCY") if "LATENCY" in kinds else None
     rate = _json(Path(f"{stem}_motion.json")).get("SamplingFrequency") if clock is None else None
     rate = rate if isinstance(rate, int | float) and rate > 0 else None
-    lines = [line.split("\t") for line in text.splitlines() if line.strip()]
+    lines = [line.split("\t") for line in _text(raw).splitlines() if line.strip()]
     if lines and len(lines[0]) != len(channels):
         raise TraceError(f"{path}: {len(lines[0])} columns, {len(channels)} rows in its channels.tsv: they must agree")
-    quaternion = [f"ORNT.{part}" for part in _QUATERNION]
-    turn = quaternion if set(quaternion) <= set(at) else [f"ORNT.{axis}" for axis in "xyz" if f"ORNT.{axis}" in at]
-    parts = [part for part in at if part.startswith("POS")] + turn
-    facts = _bids_facts(stem, channels, at)
-    against = facts.pop("against", False)  # turns go against the hand of the axes
     rows = []
     for i, line in enumerate(lines):
         if len(line) != len(channels):
             rows.append(line[:1])  # too short, so that it is counted as a row without a pose
             continue
+        for c in signed:
+            line[c] = f"-{line[c]}".removeprefix("--").replace("-+", "-")
         time = [line[clock]] if clock is not None else [repr(i / rate)] if rate else []
-        for name, columns in points.items():
-            if set(parts) <= set(columns):
-                numbers = {part: line[columns[part]] for part in parts}
-                for part in _TURNING & numbers.keys() if against else ():
-                    number = numbers[part]
-                    numbers[part] = number[1:] if number.startswith("-") else f"-{number.removeprefix('+')}"
-                rows.append([*time, name.replace(",", " "), *numbers.values()])
+        rows += [[*time, name, *(line[c] for c in columns)] for name, columns in bodies.items()]
     named = [part.replace("POS.", "position.").replace("ORNT.quat_", "q") for part in parts]
     named = [part.replace("ORNT.", "rotation.") for part in named]
     names = (*(["time_s"] if clock is not None or rate else []), "device", *named)
-    return Made("bids", rows_text(rows), names, facts=facts)
+    return Made("bids", rows, names, facts=facts)
 
 
 def _json(path: Path) -> dict[str, Any]:
@@ -397,9 +387,9 @@ def _bids_facts(stem: str, channels: list[dict[str, str]], at: dict[str, int]) -
     if place.get("units") in LENGTHS:
         facts = {"scale": LENGTHS[place["units"]], "scale_by": By.FILE}
     turn = next(channels[i] for part, i in at.items() if part.startswith("ORNT"))
-    described = _json(Path(f"{stem}_channels.json")).get("reference_frame")
-    levels = described.get("Levels") if isinstance(described, dict) else None
-    frame = levels.get(turn["reference_frame"]) if isinstance(levels, dict) else None
+    frame: Any = _json(Path(f"{stem}_channels.json"))
+    for key in ("reference_frame", "Levels", turn["reference_frame"]):
+        frame = frame.get(key) if isinstance(frame, dict) else None
     frame = frame if isinstance(frame, dict) else {}
     letters = zip(str(frame.get("SpatialAxes", "")), "xyz", strict=False)  # "ARS": x ahead, y right, z up
     ways = {_DIRECTIONS[s][0]: f"{_DIRECTIONS[s][1]}{axis}" for s, axis in letters if s in _DIRECTIONS}
@@ -415,14 +405,23 @@ def _bids_facts(stem: str, channels: list[dict[str, str]], at: dict[str, int]) -
     return facts
 
 
-def export_reader(path: Path, start: bytes) -> Callable[[Path, str], Made] | None:
-    """Return what reads such an export, None for any other file. start: its first bytes."""
-    first = start.removeprefix(b"\xef\xbb\xbf").split(b"\n", 1)[0]
+def maker_of(path: Path, start: bytes) -> Callable[[Path, bytes], Made | None] | None:
+    """Return what makes rows of a file, None where it has rows. start: its first bytes."""
+    bare = start.removeprefix(b"\xef\xbb\xbf")
+    first = bare.split(b"\n", 1)[0]
+    if bare.lstrip()[:1] in (b"{", b"["):
+        return table_of_json
+    if MARK in start[:200]:
+        return table_of_colmap
     if first.startswith(b"Format Version,"):
         return _motive_made
     if first.startswith((b"NO_OF_FRAMES\t", b"FILE_VERSION\t")) or b"\tResidual\tRot[0]\t" in first:
         return _qualisys_made
-    return _bids_made if path.name.endswith(_ENDING) else None  # as the specification has it
+    if path.name.endswith(_ENDING):  # as the specification has it
+        return _bids_made
+    lines = start.decode("utf-8", "replace").splitlines()[:_PREAMBLE]
+    rows = list(itertools.islice((line[:_LONGEST] for line in lines if _is_row(line)), _SAMPLE))
+    return _cells_made if sum(_SUSPECT.search(row) is not None for row in rows) * 2 > len(rows) else None
 
 
 MARK = b"Image list with two lines of data per image"  # in the comment above the images
@@ -442,10 +441,7 @@ class _ColmapImage:
     camera_id: int
     pose: tuple[float, ...]  # as the file has it, camera from world: qw qx qy qz tx ty tz
     rotation: NDArray[np.float64]  # (3, 3) world from camera
-
-    @property
-    def position(self) -> NDArray[np.float64]:
-        return np.asarray(-self.rotation @ np.array(self.pose[4:]))
+    position: NDArray[np.float64]  # of the camera in the world
 
 
 @attrs.frozen
@@ -458,7 +454,7 @@ class ColmapCamera:
 
 def table_of_colmap(path: Path, raw: bytes) -> Made:
     """Return the poses of images.txt in the order of the names. Errors: TraceError."""
-    return Made("colmap", rows_text(map(repr, image.pose) for image in read_images(path, raw)), COLUMNS)
+    return Made("colmap", [[*map(repr, image.pose)] for image in read_images(path, raw)], COLUMNS)
 
 
 def read_images(path: Path, raw: bytes | None = None) -> list[_ColmapImage]:
@@ -472,7 +468,7 @@ def read_images(path: Path, raw: bytes | None = None) -> list[_ColmapImage]:
         if not abs(length - 1) <= 1e-2 or not np.isfinite(moved).all():
             raise TraceError(f"{where}: a quaternion of length {length:.4g}; expected 1 within 0.01, w x y z")
         turned = Rotation.from_quat((x, y, z, w)).as_matrix().T
-        images.append(_ColmapImage(where, name, camera_id, tuple(pose), turned))
+        images.append(_ColmapImage(where, name, camera_id, tuple(pose), turned, -turned @ np.array(moved)))
     return sorted(images, key=lambda image: image.name)
 
 

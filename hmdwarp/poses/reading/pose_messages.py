@@ -9,6 +9,7 @@ import re
 import threading
 import weakref
 from collections.abc import Collection, Iterator
+from contextlib import AbstractContextManager
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, BinaryIO
@@ -16,7 +17,7 @@ from typing import Any, BinaryIO
 from ...base import HmdwarpError, TraceError, import_extra
 from ...base.named_files import BAG, TABLE, most_unpacked, opened, text_in, unpacked
 from ..assumptions import Defect
-from .columns import Made, rows_text
+from .columns import Made
 
 COLUMNS = ("stamp_ns", "topic", "x", "y", "z", "qx", "qy", "qz", "qw")
 # Where messages have position and orientation.
@@ -126,7 +127,7 @@ class _BagPath(type(Path())):  # type: ignore[misc]
         return text_in(self, TABLE)
 
 
-class _Bounded:
+class _Bounded(AbstractContextManager["_Bounded"]):
     """A packed file, open for reading. Errors: ValueError beyond most_unpacked."""
 
     def __init__(self, file: BinaryIO, unpacking: BinaryIO) -> None:
@@ -138,9 +139,6 @@ class _Bounded:
             raise ValueError("too many bytes when it is unpacked")
         self._left = left
         return data
-
-    def __enter__(self) -> _Bounded:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self._unpacking.close()
@@ -193,7 +191,7 @@ def table_of_bag(path: Path) -> Made:
                 children.setdefault(child, parent)
             if topic.rpartition("/")[2] == _STATIC:
                 continue
-            name = " ".join(f"{topic} {child}".replace(",", " ").replace('"', " ").split())
+            name = f"{topic} {child}".strip()
             frames.setdefault(name, parent)
             rows.append((stamped_ns, logged_ns, [name, *numbers]))
     if not rows:
@@ -206,10 +204,10 @@ def table_of_bag(path: Path) -> Made:
     if not stamped:
         what = "its messages have no time stamps of their own"
         defects.append(Defect("stamp-missing", what, "the times at which they were logged taken"))
-    text = rows_text([str(own_ns if stamped else logged_ns), *row] for own_ns, logged_ns, row in rows)
+    made = [[str(own_ns if stamped else logged_ns), *row] for own_ns, logged_ns, row in rows]
     nested = {}
     for name, parent in frames.items():
         if parent in children:
             what = f"its poses are in frame '{parent}', which is itself in frame '{children[parent]}'"
             nested[name] = Defect("frame-nested", what, "taken as they are; transforms are not chained")
-    return Made("rosbag", text, COLUMNS, tuple(defects), nested)
+    return Made("rosbag", made, COLUMNS, tuple(defects), nested)

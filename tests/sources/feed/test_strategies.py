@@ -22,7 +22,7 @@ from hmdwarp.gpu import download
 from hmdwarp.metrics import psnr
 from hmdwarp.pipeline.remote import Remote
 from hmdwarp.poses import PoseTrack, synthesise, write_synthetic
-from hmdwarp.poses.writing import write_native
+from hmdwarp.poses.formats import write_native
 from hmdwarp.run import RunOptions, set_up_replay
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.feed import FeedOptions
