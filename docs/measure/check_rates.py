@@ -11,7 +11,7 @@ import numpy as np
 from apparatus import options, print_table
 from wrong_frames import MISREADINGS, Frames, Recording, recordings, right_and_wrong, two_misreadings
 
-from hmdwarp.check import Reading, Stated, check
+from hmdwarp.check import Answer, Reading, Stated, check
 from hmdwarp.check.search import Overlap
 from hmdwarp.gpu import Gpu
 
@@ -25,19 +25,26 @@ def recorded_for(gpu: Gpu, cases: int) -> list[Recording]:
     return recordings(gpu, SCENES, max(2, cases // 250), np.random.default_rng(1))
 
 
-@attrs.frozen
+@attrs.frozen(eq=False)
 class Result:
-    """What a case was, and what was named."""
+    """What a case was, and what was found."""
 
     # Joined by " + ".
     misread: str
-    named: list[str]
-    # What it says of these frames that it cannot tell.
-    open: list[str]
-    # Whether it says what is wrong.
-    told: bool
+    right: Frames
+    wrong: Frames
+    answer: Answer
     # How far off the named reading finds pixels; infinite where none is named.
     off_px: float
+
+    @property
+    def told(self) -> bool:
+        """Whether it says what is wrong."""
+        return self.answer.is_told
+
+    @property
+    def named(self) -> list[str]:
+        return [finding.name for finding in self.answer.findings if self.told and not finding.as_stated]
 
     @property
     def wanted(self) -> list[str]:
@@ -53,7 +60,11 @@ class Result:
         if self.is_right or (self.told and len(self.wanted) > 1 and self.off_px < SAME_PX):
             return "right"
         left = {*self.wanted} - {*self.named}
-        is_part = left < {*self.wanted} and {*self.named} < {*self.wanted} and left <= {*self.open}
+        is_part = (
+            left < {*self.wanted}
+            and {*self.named} < {*self.wanted}
+            and left <= {one.name for one in self.answer.findings if not one.told}
+        )
         return "cannot tell" if not self.told or is_part else "wrong"
 
 
@@ -64,28 +75,26 @@ def results(recorded: list[Recording], cases: int, faults: int = 1) -> Iterator[
         names = two_misreadings(rng) if faults == 2 else (list(MISREADINGS)[case % len(MISREADINGS)],)
         right, wrong = right_and_wrong(recorded[rng.integers(len(recorded))], names, rng)
         answer = check(Stated(wrong))
-        named = [finding.name for finding in answer.findings if not finding.as_stated]
-        left = [finding.name for finding in answer.findings if not finding.told]
-        told = answer.is_told
-        off = off_px(right, wrong, answer.reading, "rows up" in names) if told else math.inf
-        yield Result(" + ".join(names), named if told else [], left, told, off)
+        off = off_px(right, wrong, answer.reading, "rows up" in names) if answer.is_told else math.inf
+        yield Result(" + ".join(names), right, wrong, answer, off)
 
 
-def off_px(right: Frames, wrong: Frames, reading: Reading, turned_over: bool) -> float:
+def off_px(right: Frames, wrong: Frames, reading: Reading, turned_over: bool = False) -> float:
     """Return how far from their place a reading finds the pixels of a frame in another one."""
     pairs, height = np.array([[1, 6], [9, 4]]), right[0].depth.shape[0]
     there, found = (
         Overlap(stated, stated.fine, pairs, None, between=False).residuals(one)
         for stated, one in ((Stated(right), Reading()), (Stated(wrong), reading))
     )
-    pixel, seen = found.pixel.copy(), found.seen
+    pixel, true = (np.stack([one.column, one.line], axis=-1) for one in (found, there))
+    seen = found.seen
     if turned_over:
         pixel[..., 1] = pixel[..., 1] if reading.depth_rows_up else height - 1 - pixel[..., 1]
         pixel, seen = (
             values.reshape(2, height, -1, *values.shape[2:])[:, ::-1].reshape(values.shape) for values in (pixel, seen)
         )
     both = seen & there.seen
-    return float(np.percentile(np.linalg.norm(pixel - there.pixel, axis=-1)[both], 90)) if both.any() else math.inf
+    return float(np.percentile(np.linalg.norm(pixel - true, axis=-1)[both], 90)) if both.any() else math.inf
 
 
 def table(found: Iterable[Result]) -> list[list[str]]:
@@ -104,7 +113,7 @@ def main() -> None:
     faults = 1 + chosen.two
     with Gpu() as gpu:
         recorded = recorded_for(gpu, chosen.cases)
-    found = list(results(recorded, chosen.cases, faults))
+    found = [attrs.evolve(one, right=[], wrong=[]) for one in results(recorded, chosen.cases, faults)]
     outcomes = Counter(trial.outcome for trial in found)
     shares = ", ".join(f"{outcomes[outcome]} {outcome}" for outcome in OUTCOMES)
     print(f"Of {len(found)} random cases with {faults} {'fault' if faults == 1 else 'faults'}: {shares}.")

@@ -96,9 +96,10 @@ def met(corners: Array, view: View, size: tuple[int, int]) -> tuple[Array, NDArr
     end = np.clip(np.ceil(np.stack([x.max(1), y.max(1)], 1) + 0.5), 0, size).astype(int)
     behind = seen[..., 2].min(axis=1) >= 0
     solid = np.abs(np.linalg.det(seen)) > 1e-12 * np.linalg.norm(seen, axis=2).prod(axis=1)
-    for index in np.flatnonzero((low < end).all(axis=1) & ~behind & solid):
+    drawn = np.flatnonzero((low < end).all(axis=1) & ~behind & solid)
+    for index, turn in zip(drawn, np.linalg.inv(seen[drawn]), strict=True):
         rows, columns = (slice(low[index, k], end[index, k]) for k in (1, 0))
-        part = rays[rows, columns] @ np.linalg.inv(seen[index].T).T
+        part = rays[rows, columns] @ turn
         found = part.sum(axis=-1)
         nearer = (part >= 0).all(axis=-1) & (found > inverse[rows, columns])
         inverse[rows, columns][nearer] = found[nearer]

@@ -5,7 +5,6 @@ from .decide import check as check
 from .motion_verdict import Convention as Convention
 from .motion_verdict import MotionFrame as MotionFrame
 from .motion_verdict import MotionFrames as MotionFrames
-from .motion_verdict import Verdict as Verdict
 from .motion_verdict import check_motion as check_motion
 from .motion_verdict import read_motion as read_motion
 from .options import CheckOptions as CheckOptions

@@ -62,7 +62,7 @@ class Answer:
 
     verdict: str  # "right", "wrong" (of what, the headline may tell), "no agreement" or "cannot be told"
     headline: str  # the verdict in one sentence
-    reading: Any  # the Reading under which the frames agree best
+    reading: Any  # the Reading under which the frames agree best; of motion vectors the Convention
     findings: Sequence[Finding] = ()  # one for each convention; none without agreement
     is_told: bool = False  # whether the best reading is the only one that explains the frames, and nearly all
     as_good: Sequence[str] = ()  # what it may be, where frames do not tell: each explains them as well

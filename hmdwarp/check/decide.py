@@ -26,6 +26,7 @@ from .search import (
     Search,
     cost,
     margin,
+    noise_of,
     standard_errors,
 )
 from .stated_frames import Array, Reading, Stated
@@ -88,28 +89,28 @@ def check(stated: Stated) -> Answer:
     search, plain = Search(stated), PLAIN
     tried = [plain, *search.discrete(plain)]
     well = agreement(search, search.best(tried)) >= _WELL
-    tried += _best_of(search, search.usual_numbers(plain)[:1])
+    tried += _best_of(search, search.numbers(plain, usual=True)[:1])
     tried += [search.best(way) for way in (*search.cameras(plain), search.late(plain)) if way]
     if not well:
         others = _best_of(search, search.numbers(plain))
         tried += others
         if not explains(search, search.best(tried)):
             encoded = [reading for reading in others if "encoding" in differences(reading)]
-            tried += [search.fitted(reading, ("factor", "offset")).reading for reading in encoded]
+            tried += [search.fitted(reading, ("factor", "offset"))[0] for reading in encoded]
         if not explains(search, search.best(tried)):
             tried += _two(search, plain)
     readings = list(dict.fromkeys([*_close(search, tried), plain]))
-    noise = Noise.of(search.fine.residuals(readings[0]))
-    numbers = _NumberSearch(search, _simplest(search, _candidates(search, readings, noise)), readings)
+    noise = noise_of(search.fine.residuals(readings[0]))
+    numbers = _NumberSearch(search, _simplest(search, [search.candidate(noise, one) for one in readings]), readings)
     best, rivals, besides = numbers.found()
     # One more convention without a number, where that is surely better.
-    steps = _candidates(search, list(search.discrete(best.reading)), numbers.noise)
+    steps = [search.candidate(numbers.noise, one) for one in search.discrete(best.reading)]
     better = min(steps, key=lambda one: one.total)
     if margin(best, better) > SURE and _simplest(search, [best, better]) is not best:
         numbers = _NumberSearch(search, better, [better.reading, *readings])
         best, rivals, besides = numbers.found()
     # Between what the numbers explain, and other readings that were close.
-    close = _candidates(search, readings, numbers.noise)
+    close = [search.candidate(numbers.noise, one) for one in readings]
     if best.changes > 1:
         simplest = _simplest(search, [best, *(other for other in close if other.changes)])
         best, rivals, besides = (best, rivals, besides) if simplest is best else (simplest, (), ())
@@ -129,10 +130,6 @@ def check(stated: Stated) -> Answer:
     return _answer(search, best, rivals, besides, numbers.noise)
 
 
-def _candidates(search: Search, readings: Sequence[Reading], noise: Noise) -> list[Candidate]:
-    return [search.candidate(Fitted(reading), noise) for reading in readings]
-
-
 def _close(search: Search, found: Sequence[Reading]) -> list[Reading]:
     """Return the few best readings of the coarse pictures, numbers fitted."""
     kept: list[Reading] = []
@@ -140,7 +137,7 @@ def _close(search: Search, found: Sequence[Reading]) -> list[Reading]:
     for reading in sorted(dict.fromkeys(found), key=search.score, reverse=True):
         if len(kept) == _KEPT or search.score(reading) < least:
             break
-        fitted = search.fitted(reading, _numbers_of(reading)).reading
+        fitted = search.fitted(reading, _numbers_of(reading))[0]
         if all(matters(search, name, fitted) for name in numbered(fitted)):
             least = least or _NEAR_BEST * search.score(reading)
             kept.append(fitted)
@@ -154,11 +151,9 @@ def _numbers_of(reading: Reading) -> tuple[str, ...]:
 
 
 def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
-    """Return the best one, or one of fewer changes that is not surely worse.
-
-    Nor is one under which more depths agree, and pictures are more alike: the cost of numbers that
-    hardly differ, and of one sky on another, is small under any reading.
-    """
+    """Return the best one, or one of fewer changes that is not surely worse."""
+    # Nor is one under which more depths agree, and pictures are more alike: numbers that hardly
+    # differ, and one sky on another, cost little under any reading.
     best = min(candidates, key=lambda one: one.total)
     most, alike = agreement(search, best.reading), likeness(search, best.reading)
     shares = [(one, agreement(search, one.reading)) for one in candidates]
@@ -187,7 +182,7 @@ def _two(search: Search, plain: Reading) -> list[Reading]:
     cameras = [search.best(way) for way in search.cameras(plain)]
     for single in [*singles, *found, *cameras]:
         both += [two for two in search.discrete(single) if len(differences(two)) == 2]
-        both += _best_of(search, search.usual_numbers(single))
+        both += _best_of(search, search.numbers(single, usual=True))
         both += [search.best(way) for way in search.cameras(single)]
     return both
 
@@ -248,16 +243,13 @@ class _NumberSearch:
             ways = (*search.cameras(self.base), search.late(self.base))
             self._seeds += [search.best(way) for way in ways if way]
         self._models: dict[tuple[str, ...], Candidate] = {}
-        self.noise = Noise.of(search.fine.residuals(leader.reading))
+        self.noise = noise_of(search.fine.residuals(leader.reading))
         self._every = self._fit(leader.reading, [name for name in self._names if name != "scale"])
-        self.noise = Noise.of(search.fine.residuals(self._every.reading))
+        self.noise = noise_of(search.fine.residuals(self._every[0]))
 
     def found(self) -> tuple[Candidate, tuple[Candidate, ...], tuple[str, ...]]:
-        """Return the best reading, those that fit as well, and what differs besides.
-
-        No number of it differs, those of one convention, or of two where one leaves too much.
-        """
-        nothing = self._candidate(self._fit(self.base, ()))
+        """Return the best reading of at most two numbers, those as good, and what else differs."""
+        nothing = self._candidate(*self._fit(self.base, ()))
         needed = SURE if not nothing.changes else _SECOND * SURE
         gain = -_NO_WORSE if not nothing.changes else needed / 4
         singles = [one for one in self._of(1) if self._is_known(one, needed) and margin(nothing, one) > gain]
@@ -270,16 +262,13 @@ class _NumberSearch:
         return self._square(best), rivals, besides
 
     def _square(self, best: Candidate) -> Candidate:
-        """Return the reading with one factor for both focal lengths, unless two are surely better.
-
-        Heads that never look up or down leave one of the two undetermined.
-        """
+        """Return it with one factor for both focal lengths, unless two are surely better."""
         if "focal" not in numbered(best.reading) or not best.error:
             return best
         names = (*(name for name in best.error if name not in FITTED["focal"]), WIDE)
         wide = best.reading.wide_x, best.reading.wide_y
         starts = (attrs.evolve(best.reading, wide_x=one, wide_y=one) for one in wide)
-        one = min((self._candidate(self.search.fitted(start, names)) for start in starts), key=lambda one: one.total)
+        one = min((self._candidate(*self.search.fitted(start, names)) for start in starts), key=lambda one: one.total)
         return one if margin(one, best) <= SURE else best
 
     def _of(self, count: int) -> Iterator[Candidate]:
@@ -311,9 +300,9 @@ class _NumberSearch:
 
     def _besides(self, best: Candidate) -> tuple[str, ...]:
         """Return what surely differs besides, where all numbers at once fit surely better."""
-        every = self._candidate(self._every)
+        every = self._candidate(*self._every)
         if every.total > best.total:  # it did not find there
-            every = self._candidate(self._fit(best.reading, [name for name in self._names if name != "scale"]))
+            every = self._candidate(*self._fit(best.reading, [name for name in self._names if name != "scale"]))
         if margin(best, every) <= SURE:
             return ()
         taken = numbered(best.reading)
@@ -339,15 +328,15 @@ class _NumberSearch:
         if names not in self._models:
             starts = [seed for seed in self._seeds if set(numbered(seed)) <= set(names)]
             starts += [one.reading for tried, one in self._models.items() if set(tried) <= set(names)]
-            start = min(dict.fromkeys(starts), key=lambda one: self._candidate(Fitted(one)).total)
-            self._models[names] = self._candidate(self._fit(start, names))
+            start = min(dict.fromkeys(starts), key=lambda one: self._candidate(one).total)
+            self._models[names] = self._candidate(*self._fit(start, names))
         return self._models[names]
 
     def _fit(self, start: Reading, names: Sequence[str]) -> Fitted:
         return self.search.fitted(start, (*self._always, *itertools.chain(*(FITTED[name] for name in names))))
 
-    def _candidate(self, fitted: Fitted) -> Candidate:
-        return self.search.candidate(fitted, self.noise)
+    def _candidate(self, reading: Reading, error: dict[str, float] | None = None) -> Candidate:
+        return self.search.candidate(self.noise, reading, error)
 
 
 EXPLAINED = 0.98  # of the depths that nothing hides
@@ -376,29 +365,28 @@ def standing(search: Search, noise: Noise, best: Candidate) -> list[str]:
     width, reading, found = search.stated.frames[0].depth.shape[1], best.reading, []
     own, base = _numbers_of(reading), _without_numbers(reading)
     if not search.stated.may_be_buffer and (best.changes or explained(search, reading) < EXPLAINED):
-        depths = [frame.depth[np.isfinite(frame.depth) & (frame.depth != 0)] for frame in search.stated.frames]
-        most = (1 - _AT_MOST) * max(float(depth.max()) for depth in depths)
-        is_cut = float(np.median([float((depth > most).mean()) for depth in depths])) > _CUT_OFF
+        most = (1 - _AT_MOST) * max(float(depth.max()) for depth in search.stated.depths)
+        is_cut = float(np.median([float((depth > most).mean()) for depth in search.stated.depths])) > _CUT_OFF
         found += ["depth that is cut off"] if is_cut else []
     starts = _STARTS | dict.fromkeys(DEPTH_SHIFT, tuple(at * width for at in _SHIFTS)) | {"scales": ((),)}
     for words, least in _OF_FAULT.items():
         values = itertools.product(*(starts[name] for name in least))
         tried = (attrs.evolve(base, **dict(zip(least, one, strict=True))) for one in values)
-        begun = [min(tried, key=lambda one: search.candidate(Fitted(one), noise).total)]
+        begun = [min(tried, key=lambda one: search.candidate(noise, one).total)]
         if "depth_wide" in least:  # a shift of the depth alone looks like a principal point that is off
             begun.append(attrs.evolve(base, depth_x=-reading.pixel_x, depth_y=-reading.pixel_y))
         instead = [_fitted(search, one, tuple(least)) for one in begun]
         gains = []
-        for start in (reading, *(one.reading for one in instead)):
+        for start in (reading, *(one for one, _ in instead)):
             both = _fitted(search, start, (*least, *own))
-            two = [search.fine.residuals(one) for one in (reading, both.reading)]
+            two = [search.fine.residuals(one) for one in (reading, both[0])]
             known = ~np.isnan(two[0].depth + two[1].depth)  # elsewhere in the picture of depth are other gaps
             before, after = (search.fine.by_block(np.where(known, cost(each, noise), np.nan))[0] for each in two)
             gains.append((before - after, both))
         gain, both = max(gains, key=lambda one: float(one[0].sum()))
         # A turn of a degree is half a pixel, which is the more common.
         named = {name: limit * (1 + ("pixel" in differences(reading))) for name, limit in least.items()}
-        sure = [_off(both.reading, name) / both.error[name] for name in own if name in both.error]
+        sure = [_off(both[0], name) / both[1][name] for name in own if name in both[1]]
         is_doubtful = max(sure, default=math.inf) < _SURELY and any(_has_a_name(one, named) for one in instead)
         if is_doubtful or (standard_errors(gain) > SURE and _has_a_name(both, named)):
             found.append(words)
@@ -406,13 +394,14 @@ def standing(search: Search, noise: Noise, best: Candidate) -> list[str]:
 
 
 def _has_a_name(found: Fitted, least: dict[str, float]) -> bool:
-    return any(_off(found.reading, name) > max(most, SURE * found.error.get(name, 0)) for name, most in least.items())
+    reading, error = found
+    return any(_off(reading, name) > max(most, SURE * error.get(name, 0)) for name, most in least.items())
 
 
 def _fitted(search: Search, reading: Reading, names: tuple[str, ...]) -> Fitted:
     """Return the reading with these numbers as the frames have them."""
     if "scales" not in names:
-        return search.fitted(search.fitted(reading, names).reading, names)
+        return search.fitted(search.fitted(reading, names)[0], names)
     pairs, count = search.middle.pairs, len(search.stated.frames)
     rows = np.eye(count)[pairs[:, 0]] - np.eye(count)[pairs[:, 1]]
     scales = np.zeros(count)
@@ -421,24 +410,18 @@ def _fitted(search: Search, reading: Reading, names: tuple[str, ...]) -> Fitted:
         with np.errstate(invalid="ignore"):
             off = np.array([np.median(one[np.abs(one) < 1]) if (np.abs(one) < 1).any() else 0.0 for one in found.depth])
         scales -= np.linalg.lstsq(rows, off, rcond=None)[0]
-    return Fitted(attrs.evolve(reading, scales=tuple((scales - scales.mean()).tolist())))
+    return attrs.evolve(reading, scales=tuple((scales - scales.mean()).tolist())), {}
 
 
 def _answer(
     search: Search, best: Candidate, rivals: Sequence[Candidate], besides: Sequence[str], noise: Noise
 ) -> Answer:
-    """Decide whether the best reading is told, and put it into words.
-
-    rivals: readings with as few other changes under which the frames agree as well. besides:
-    conventions of which one or more differ too, where no reading of them was found.
-    """
+    """Decide whether the best reading is told beside rivals and what differs besides, in words."""
     stated, reading, plain = search.stated, best.reading, PLAIN
     share, share_stated, alike = agreement(search, reading), agreement(search, plain), likeness(search, reading)
-    # Shares of the depths in view of two frames that agree within 5 %, as stated and under the best
-    # reading, and the correlation of their brightness there.
     figures = {"agreement_stated": share_stated, "agreement": share, "likeness": alike}
-    about: Any = {"frames": len(stated.frames), "figures": figures}
-    about |= {"assumptions": stated.assumptions, "notes": stated.notes}
+    about: Any = {"frames": len(stated.frames), "figures": figures, "assumptions": stated.assumptions}
+    about["notes"] = stated.notes
     frames, found, stated_so = f"{len(stated.frames)} frames", f"{100 * share:.0f} %", f"{100 * share_stated:.0f} %"
     if share < AGREE or alike < ALIKE:
         but, expected = "however they are read", "a scene that stands still, seen from places nearby"
@@ -516,7 +499,7 @@ def _finding(search: Search, best: Reading, name: str, untold: str) -> Finding:
         is_part = {"pixel", "centre"} <= {name, *differ} or ("encoding" in differ and name in ("scale", "planes"))
         if not is_part:
             unit = {"offset": 1e3 * steps["offset"], "late_s": stated.interval_s or 1.0}
-            errors = search.fitted(best, numbers).error if {*numbers} <= {*steps} else {"": math.inf}
+            errors = search.fitted(best, numbers)[1] if {*numbers} <= {*steps} else {"": math.inf}
             told = all(error / unit.get(number, 1.0) <= convention.vague for number, error in errors.items())
     else:
         told = is_ahead and (name != "eyes" or stated.other_eye is not None)

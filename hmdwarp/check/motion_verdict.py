@@ -21,10 +21,11 @@ from scipy import ndimage
 
 from ..base import InputError, linear_from_srgb, listed, srgb8_from_linear
 from ..base.named_files import PICTURE_FILE, named_in, opened
-from ..geometry import DepthLayer, Fov, Pose, View
+from ..geometry import DepthLayer, Fov, Pose, View, inverse_depth_from_metres
 from ..sources.sequences import read_colour, read_depth
 from ..sources.sequences.frame_files import number_of, numbers_of, read_json
 from ..sources.sequences.picture_files import EXR, NPY, read_exr
+from .conventions import Answer, Finding
 from .search import SURE
 
 Array = NDArray[np.float64]
@@ -105,10 +106,7 @@ class MotionFrame:
     def inverse_depth(self) -> Array:
         """(h, w) 1/m, NaN where there is none."""
         depth: Any = self.depth
-        if self.planes is not None:
-            return self.planes.inverse_depth(depth)
-        with np.errstate(divide="ignore"):
-            return np.where(depth > 0, 1 / depth, np.nan)
+        return inverse_depth_from_metres(depth) if self.planes is None else self.planes.inverse_depth(depth)
 
     @cached_property
     def nearest_around(self) -> Array:
@@ -287,64 +285,32 @@ _SURFACE = 0.06  # share of the depth: what differs by less may be one surface t
 _CANDIDATES = tuple(Convention(*values) for values in itertools.product(*(values for values, _ in PROPERTIES.values())))
 
 
-@attrs.frozen(eq=False)
 class Pair:
-    """A frame with vectors, and the one before, sampled at the centres of the vectors' pixels."""
+    """A frame with vectors, and the one before, sampled at the centres of the vectors' pixels.
 
-    now: MotionFrame
-    before: MotionFrame
-    step: int = 1  # every so many pixels of the vectors, in both directions
+    step: every so many of them, in both directions.
+    """
 
-    @cached_property
-    def uv(self) -> Array:
-        """(h, w, 2) places in the picture, 0 to 1, y down."""
-        first, (high, wide) = self.step // 2, self.now.motion.shape[:2]
-        return grid((wide, high))[first :: self.step, first :: self.step]
-
-    @cached_property
-    def bright(self) -> Array:
-        """(h, w) brightness of the frame itself; all conventions compare with it."""
-        return sampled(self.now.brightness, self.uv)
-
-    @cached_property
-    def block(self) -> NDArray[np.intp]:
-        """(h, w) number of the block of the picture."""
+    def __init__(self, now: MotionFrame, before: MotionFrame, step: int = 1) -> None:
+        self.now, self.before, first = now, before, step // 2
+        self.vectors = now.motion[first::step, first::step]  # (h, w, 2 or 3)
+        # (h, w, 2) places in the picture, 0 to 1, y down, and the number of the block of each.
+        self.uv = grid(now.motion.shape[1::-1])[first::step, first::step]
         across, down = (self.uv * (_ACROSS, _DOWN)).astype(np.intp).transpose(2, 0, 1)
-        return np.asarray(down * _ACROSS + across)
-
-    @cached_property
-    def one_surface(self) -> NDArray[np.bool_]:
-        """(h, w) whether no other surface is near in the picture."""
+        self.block = down * _ACROSS + across
+        self.bright = sampled(now.brightness, self.uv)  # of the frame itself; all conventions compare with it
+        # (h, w) 1/m of the frame's own depth there, NaN for none; whether no other surface is near.
+        self.inverse = nearest_at(now.inverse_depth, self.uv)
         depth, wide = np.nan_to_num(self.inverse), 2 * _EDGE_PX + 1
         nearest, farthest = ndimage.maximum_filter(depth, wide), ndimage.minimum_filter(depth, wide)
-        return np.asarray(nearest < farthest * _EDGE + 10 * _FAR)
-
-    @cached_property
-    def inverse(self) -> Array:
-        """(h, w) 1/m of the frame's own depth there, NaN for none."""
-        return nearest_at(self.now.inverse_depth, self.uv)
-
-    @cached_property
-    def vectors(self) -> Array:
-        """(h, w, 2 or 3)."""
-        return self.now.motion[self.step // 2 :: self.step, self.step // 2 :: self.step]
-
-    @cached_property
-    def still(self) -> Array:
-        """(h, w, 3) places in the eye before of what is here, had it stood still, times 1/m."""
-        turn = self.then_view.pose.inverse() @ self.now.view.pose
-        along = _along_of(self.now.view, self.uv - self.now.jitter / np.array(self.now.size))
-        return along @ turn.rotation_matrix.T + turn.position_m * np.nan_to_num(self.inverse)[..., None]
-
-    @cached_property
-    def expected(self) -> Array:
-        """(h, w) 1/m in the eye before, had it stood still; NaN for no depth."""
-        return np.asarray(self.inverse / np.maximum(-self.still[..., 2], 1e-6))
-
-    @cached_property
-    def then_view(self) -> View:
-        """The view of the frame before, in the space of this one."""
-        return self.before.view.at(self.now.app_space_delta.inverse() @ self.before.view.pose)
+        self.one_surface = nearest < farthest * _EDGE + 10 * _FAR
+        # The view of the frame before, in the space of this one. What stands still was in that eye
+        # at these places, (h, w, 3), times 1/m, and at this inverse depth.
+        self.then_view = before.view.at(now.app_space_delta.inverse() @ before.view.pose)
+        turn = self.then_view.pose.inverse() @ now.view.pose
+        along = _along_of(now.view, self.uv - now.jitter / np.array(now.size))
+        self.still = along @ turn.rotation_matrix.T + turn.position_m * depth[..., None]
+        self.expected = self.inverse / np.maximum(-self.still[..., 2], 1e-6)
 
     def places(self, convention: Convention) -> Array:
         """Return (h, w, 2) where each pixel was in the picture before, 0 to 1, y down."""
@@ -399,41 +365,23 @@ def inside(uv: Array) -> NDArray[np.bool_]:
         return np.asarray(((uv > 0) & (uv < 1)).all(axis=-1))
 
 
-@attrs.frozen(eq=False)
 class Found:
-    """What a candidate finds in the frame before: differences of what should be the same."""
+    """What a convention finds in the frame before: differences of what should be the same."""
 
-    pair: Pair
-    uv: Array
-    seen: NDArray[np.bool_]  # in the picture before, and nothing nearer was there
-    elsewhere: NDArray[np.bool_]  # all that was there was farther: the surface was elsewhere
-    bright: Array  # brightness now less before
-    deep: Array  # inverse depth before less that expected, as a share of it
-
-    @classmethod
-    def of(cls, pair: Pair, convention: Convention) -> Found:
-        """Return what a convention finds."""
-        uv, expected = pair.places(convention), pair.expected
-        nearest, within = nearest_at(pair.before.nearest_around, uv), inside(uv) & np.isfinite(expected)
-        return cls(
-            pair,
-            uv,
-            within & (nearest <= expected * (1 + _SURFACE) + _FAR),
-            within & (nearest < expected * (1 - _SURFACE) - _FAR),
-            pair.bright - sampled(pair.before.brightness, uv),
-            (nearest_at(pair.before.inverse_depth, uv) - expected) / (expected + 1e-2),
-        )
+    def __init__(self, pair: Pair, convention: Convention) -> None:
+        self.pair, self.uv, expected = pair, pair.places(convention), pair.expected
+        nearest, within = nearest_at(pair.before.nearest_around, self.uv), inside(self.uv) & np.isfinite(expected)
+        # In the picture before, and nothing nearer was there; all that was there was farther.
+        self.seen = within & (nearest <= expected * (1 + _SURFACE) + _FAR)
+        self.elsewhere = within & (nearest < expected * (1 - _SURFACE) - _FAR)
+        # Brightness now less before; inverse depth before less that expected, as a share of it.
+        self.bright = pair.bright - sampled(pair.before.brightness, self.uv)
+        self.deep = (nearest_at(pair.before.inverse_depth, self.uv) - expected) / (expected + 1e-2)
 
     def costs(self) -> Array:
         """Return, by block, 0 for what is there as it should be, to 1 for what is not there."""
         squared = (self.bright / _SCORE_NOISE) ** 2 + (np.clip(self.deep, -1, 1) / _DEPTH_NOISE) ** 2
         return _by_block(self.pair, np.where(self.seen, np.nan_to_num(squared / (1 + squared), nan=1.0), 1.0))
-
-    @cached_property
-    def missed(self) -> NDArray[np.bool_]:
-        """Where something of another colour was."""
-        steep = np.linalg.norm(self.gradient, axis=-1)
-        return np.asarray(self.seen & (np.abs(np.nan_to_num(self.bright)) > _MISSED + 0.75 * steep))
 
     @cached_property
     def gradient(self) -> Array:
@@ -456,133 +404,10 @@ _LEAST_BLOCKS = 15  # that must tell a shift
 # at most, without antialiasing, nothing of the third, and half of the last: moving shadows.
 _MOST = {
     "blocks": (0.04, "{:.1%} of the picture moved otherwise"),
-    "drift": (0.15, "one picture as a whole by {:.2f} pixels"),
+    "drift_px": (0.15, "one picture as a whole by {:.2f} pixels"),
     "elsewhere": (5e-4, "{:.2%} of it came from where the depth before was farther"),
     "missed": (0.015, "{:.1%} of it came from where the colour was another"),
 }
-
-
-@attrs.frozen(eq=False)
-class _Contradictions:
-    """What pictures and depths say against the best candidate."""
-
-    blocks: float  # of the blocks that tell a shift, those but one that show it in frame after frame
-    drift: float  # the whole picture's shift in one of the frames, in pixels
-    elsewhere: float  # of the pixels: the surface was not there
-    missed: float  # of the pixels: something of another colour was there
-    judged: int  # blocks that tell a shift, in two frames or more
-    factor: list[float]  # the factor by which the vectors fit best, of x and y, and its standard error
-    factor_error: list[float]
-
-    def reasons(self) -> list[str]:
-        """Return what is more than a right convention leaves."""
-        if self.judged < _LEAST_BLOCKS:
-            return [f"only {self.judged} blocks of the picture have detail that three frames show"]
-        return [text.format(getattr(self, name)) for name, (most, text) in _MOST.items() if getattr(self, name) > most]
-
-
-@attrs.frozen(eq=False)
-class Property:
-    """What is found of one property of the convention."""
-
-    name: str
-    value: str
-    as_stated: bool
-    other: Convention  # the best candidate of another value, and by how many standard errors it is worse
-    margin: float
-    moved_px: float  # median shift between the two
-
-    @property
-    def told(self) -> bool:
-        """Whether every other value is surely worse."""
-        return self.margin >= SURE
-
-
-@attrs.frozen(eq=False)
-class Verdict:
-    """What frames say about their motion vectors."""
-
-    frames: MotionFrames
-    best: Convention
-    rivals: tuple[Convention, ...]  # those that fit as well with as few changes
-    properties: tuple[Property, ...]
-    contradictions: _Contradictions
-    # Slope of the change of depth over the vectors' z, and its standard error; None without z.
-    z: tuple[float, float] | None
-
-    @property
-    def explained(self) -> bool:
-        """Whether the best candidate leaves no more than a right one does."""
-        return not self.contradictions.reasons()
-
-    @property
-    def verdict(self) -> str:
-        """Return "right", "wrong" or "cannot be told"."""
-        if not self.explained or self.rivals:
-            return "cannot be told"
-        return "right" if self.best == self.frames.stated else "wrong"
-
-    def headline(self) -> str:
-        """Return the verdict in one sentence."""
-        count, best = f"{len(self.frames.pairs)} pairs of frames", text_of(self.best)
-        if not self.explained:
-            why = listed(self.contradictions.reasons())
-            return f"cannot be told: no convention explains the next frame. With the nearest ({best}), {why} ({count})"
-        if self.rivals:
-            return f"cannot be told: {' or '.join([best, *map(text_of, self.rivals)])} explain it as well ({count})"
-        wrong = listed([PROPERTIES[one.name][1] for one in self.properties if not one.as_stated])
-        return f"{f'wrong: {wrong}' if wrong else 'right'}. The vectors explain the next frame as {best} ({count})"
-
-    def lines(self) -> list[str]:
-        """Return what to print below it."""
-        if not self.explained:
-            return []
-        (x, y), (dx, dy) = self.contradictions.factor, self.contradictions.factor_error
-        lines = []
-        for one in self.properties:
-            words = f"cannot be told from {text_of(one.other)}: that moves pixels by {one.moved_px:.2g}"
-            if one.told:
-                mark = "" if one.as_stated else "  <- not as stated"
-                words = f"{one.value}  ({one.margin:.0f} standard errors ahead){mark}"
-            lines.append(f"  {PROPERTIES[one.name][1]:<9}  {words}")
-        lines += [f"  factor     {x:.3f} +- {1.96 * dx:.3f} across, {y:.3f} +- {1.96 * dy:.3f} down (95 %)"]
-        if self.z is not None:
-            slope, error = self.z
-            follows = "as the depth changes" if abs(slope - 1) < max(0.25, SURE * error) else "not as the depth changes"
-            lines.append(f"  z          {follows}: slope {slope:.2f} +- {1.96 * error:.2f}")
-        code = self.code()
-        return [*lines, *(["Read them so:"] if code else []), *(f"    {line}" for line in code)]
-
-    def code(self) -> list[str]:
-        """Return C and GLSL that make of them what XR_EXT_frame_synthesis expects."""
-        if self.verdict != "wrong":
-            return []
-        found, now = self.best, self.frames.pairs[0][0]
-        back, down = -1.0 if found.sign == BACKWARD else 1.0, 1.0 if found.y == DOWN else -1.0
-        if found.unit == METRES:
-            return [
-                f"motion.xyz *= vec3({back:g}, {-down * back:g}, {back:g});  // now the way in the eye, y up",
-                "vec4 then = previousProjection * vec4(eyePosition - motion.xyz, 1.0);  // without jitter",
-                "motion.xyz = ndcPosition - then.xyz / then.w;",
-            ]
-        lines, (wide, high) = [], now.size
-        units = {NDC: (1.0, 1.0), UV: (2.0, 2.0), PIXELS: (2 / wide, 2 / high)}[found.unit]
-        factors = (back * units[0], back * down * units[1], -back if self.z and self.z[0] < 0 else back)
-        for name, stated in (("Scale", now.scale), ("Offset", now.offset)):
-            numbers = ", ".join(f"{value * factor:.9g}" for value, factor in zip(stated, factors, strict=True))
-            if name == "Scale" or any(stated):
-                lines.append(f"info.motionVector{name} = {{{numbers}, 0}};  // XrFrameSynthesisInfoEXT")
-        lines.append("// XR_FB_space_warp: motion.xyz *= vec3({:.9g}, {:.9g}, {:.9g});".format(*factors))
-        if found.jitter == IN:
-            where = f"vec2(2.0 / {wide}, 2.0 / {high});  // pixels, y down"
-            lines.append(f"motion.xy -= (jitter - previousJitter) * {where}")
-        return lines
-
-    def as_json(self) -> dict[str, Any]:
-        """Return what `--json` prints."""
-        told = [one.name for one in self.properties if one.told] if self.explained else []
-        about = {"verdict": self.verdict, "told": told, "reasons": self.contradictions.reasons(), "code": self.code()}
-        return about | attrs.asdict(self, filter=lambda field, _: field.name != "frames")
 
 
 def text_of(convention: Convention) -> str:
@@ -590,7 +415,7 @@ def text_of(convention: Convention) -> str:
     return f"{convention.unit}, y {convention.y}, {convention.sign}, jitter {convention.jitter}"
 
 
-def check_motion(frames: MotionFrames) -> Verdict:
+def check_motion(frames: MotionFrames) -> Answer:
     """Return which convention explains each next frame, by colour and by depth.
 
     Parameters
@@ -600,27 +425,71 @@ def check_motion(frames: MotionFrames) -> Verdict:
 
     Returns
     -------
-    Verdict
-        The best of all conventions, those that fit as well, and what contradicts it.
+    Answer
+        `reading` is the best Convention of all, `as_good` are those that fit as well. `figures` has
+        what contradicts it, by what factors the vectors fit best, and their standard errors.
     """
     full = [Pair(now, before) for now, before in frames.pairs]
-    pairs = [attrs.evolve(one, step=max(1, round(math.sqrt(one.vectors[..., 0].size / _SCORED)))) for one in full]
-    costs = {one: np.concatenate([Found.of(pair, one).costs() for pair in pairs]) for one in _CANDIDATES}
+    pairs = [Pair(one.now, one.before, max(1, round(math.sqrt(one.vectors[..., 0].size / _SCORED)))) for one in full]
+    costs = {one: np.concatenate([Found(pair, one).costs() for pair in pairs]) for one in _CANDIDATES}
     least = min(costs, key=lambda one: float(costs[one].sum()))
     alike = [one for one in _CANDIDATES if _margin(costs[least], costs[one]) < SURE]
-    stated = attrs.astuple(frames.stated)
-    order = {one: (sum(map(operator.ne, attrs.astuple(one), stated)), float(costs[one].sum())) for one in alike}
+    stated, count = attrs.asdict(frames.stated), f"{len(full)} pairs of frames"
+    order = {
+        one: (sum(map(operator.ne, attrs.astuple(one), stated.values())), float(costs[one].sum())) for one in alike
+    }
     best = min(alike, key=order.__getitem__)
-    rivals = tuple(one for one in alike if one != best and order[one][0] == order[best][0])
-    properties = []
+    figures = _contradictions([Found(pair, best) for pair in full])
+    about: dict[str, Any] = {"frames": len(frames.frames), "figures": figures}
+    why = [text.format(figures[name]) for name, (most, text) in _MOST.items() if figures[name] > most]
+    if (judged := figures["judged"]) < _LEAST_BLOCKS:
+        why = [f"only {judged} blocks of the picture have detail that three frames show"]
+    if why:
+        headline = f"cannot be told: no convention explains the next frame. With the nearest ({text_of(best)}), "
+        return Answer("cannot be told", f"{headline}{listed(why)} ({count})", best, **about)
+    findings = []
     for name, value in attrs.asdict(best).items():
         margins = {one: _margin(costs[best], costs[one]) for one in costs if getattr(one, name) != value}
         other = min(margins, key=margins.__getitem__)
         apart = np.linalg.norm((full[0].places(other) - full[0].places(best)) * full[0].now.size, axis=-1)
-        as_stated = value == getattr(frames.stated, name)
-        properties.append(Property(name, value, as_stated, other, margins[other], float(np.nanmedian(apart))))
-    found = [Found.of(pair, best) for pair in full]
-    return Verdict(frames, best, rivals, tuple(properties), _contradictions(found), _slope_of_z(found, best))
+        told = margins[other] >= SURE
+        untold = "" if told else f"{text_of(other)} moves pixels by {np.nanmedian(apart):.2g}"
+        label, as_stated = PROPERTIES[name][1], value == stated[name]
+        findings.append(Finding(name, label, value, as_stated, told, margins[other], untold))
+    across, down = (f"{figures[way]:.3f} +- {1.96 * figures[f'{way}_error']:.3f} {way}" for way in ("across", "down"))
+    about |= {"findings": findings, "notes": [f"The vectors fit best times {across} and {down} (95 %)."]}
+    rivals = [text_of(one) for one in alike if one != best and order[one][0] == order[best][0]]
+    if rivals:
+        several = " or ".join([text_of(best), *rivals])
+        headline = f"cannot be told: {several} explain it as well ({count})"
+        return Answer("cannot be told", headline, best, as_good=rivals, **about)
+    wrong = listed([one.label for one in findings if not one.as_stated])
+    headline = f"{f'wrong: {wrong}' if wrong else 'right'}. The vectors explain the next frame as {text_of(best)}"
+    code = _code(best, frames.pairs[0][0]) if wrong else []
+    return Answer("wrong" if wrong else "right", f"{headline} ({count})", best, is_told=True, code=code, **about)
+
+
+def _code(found: Convention, now: MotionFrame) -> list[str]:
+    """Return C and GLSL that make of vectors what XR_EXT_frame_synthesis expects."""
+    back, down = -1.0 if found.sign == BACKWARD else 1.0, 1.0 if found.y == DOWN else -1.0
+    if found.unit == METRES:
+        return [
+            f"motion.xyz *= vec3({back:g}, {-down * back:g}, {back:g});  // now the way in the eye, y up",
+            "vec4 then = previousProjection * vec4(eyePosition - motion.xyz, 1.0);  // without jitter",
+            "motion.xyz = ndcPosition - then.xyz / then.w;",
+        ]
+    lines, (wide, high) = [], now.size
+    units = {NDC: (1.0, 1.0), UV: (2.0, 2.0), PIXELS: (2 / wide, 2 / high)}[found.unit]
+    factors = (back * units[0], back * down * units[1], back)
+    for name, stated in (("Scale", now.scale), ("Offset", now.offset)):
+        numbers = ", ".join(f"{value * factor:.9g}" for value, factor in zip(stated, factors, strict=True))
+        if name == "Scale" or any(stated):
+            lines.append(f"info.motionVector{name} = {{{numbers}, 0}};  // XrFrameSynthesisInfoEXT")
+    lines.append("// XR_FB_space_warp: motion.xyz *= vec3({:.9g}, {:.9g}, {:.9g});".format(*factors))
+    if found.jitter == IN:
+        where = f"vec2(2.0 / {wide}, 2.0 / {high});  // pixels, y down"
+        lines.append(f"motion.xy -= (jitter - previousJitter) * {where}")
+    return lines
 
 
 def _by_block(pair: Pair, values: Array) -> Array:
@@ -635,7 +504,8 @@ def _margin(better: Array, worse: Array) -> float:
     return float(apart.mean()) / error if error > 0 else 0.0
 
 
-def _contradictions(found: list[Found]) -> _Contradictions:
+def _contradictions(found: list[Found]) -> dict[str, float]:
+    """Return what pictures and depths say against a convention, and how the vectors fit."""
     shift, matrix, known, off, way = (np.stack(each) for each in zip(*map(_shifts, found), strict=True))
     # Edges without antialiasing seem to move by chance: each time elsewhere.
     length = np.maximum(np.linalg.norm(shift, axis=-1, keepdims=True), 1e-9)
@@ -643,18 +513,29 @@ def _contradictions(found: list[Found]) -> _Contradictions:
     counts = known.sum(axis=0)
     judged, wrong = int((counts > 1).sum()), int((along >= np.maximum(1.5, counts / 2)).sum())
     whole = np.linalg.solve(matrix.sum(axis=1) + 1e-5 * np.eye(2), np.einsum("nbij,nbj->ni", matrix, shift)[..., None])
-    elsewhere, missed = (
-        float(np.mean([ndimage.binary_opening(getattr(one, name), np.ones((2, 2))).mean() for one in found]))
-        for name in ("elsewhere", "missed")
-    )
-    drift = float(np.linalg.norm(whole, axis=1).max())
+    # Where the depth before was farther, and where something of another colour was.
+    contrary = [
+        (one.elsewhere, one.seen & (np.abs(np.nan_to_num(one.bright)) > _MISSED + 0.75 * steep))
+        for one in found
+        for steep in [np.linalg.norm(one.gradient, axis=-1)]
+    ]
+    elsewhere, missed = np.mean(
+        [[ndimage.binary_opening(one, np.ones((2, 2))).mean() for one in each] for each in contrary], axis=0
+    ).tolist()
     # The factors of x and y that fit best and their standard errors, over blocks.
     way, shift, weight = way[known], shift[known], matrix[known][:, (0, 1), (0, 1)]
     total = np.maximum((weight * way**2).sum(axis=0), 1e-12)
     slope = (weight * way * shift).sum(axis=0) / total
     error = np.sqrt(((weight * way * (shift - slope * way)) ** 2).sum(axis=0)) / total
-    share, factor = max(0, wrong - 1) / max(judged, 1), (1 + slope).tolist()
-    return _Contradictions(share, drift, elsewhere, missed, judged, factor, error.tolist())
+    return {
+        "judged": judged,  # blocks that tell a shift, in two frames or more
+        "blocks": max(0, wrong - 1) / max(judged, 1),  # of them, those but one that show it in frame after frame
+        "drift_px": float(np.linalg.norm(whole, axis=1).max()),  # the whole picture's shift in one of the frames
+        "elsewhere": elsewhere,  # of the pixels: the surface was not there
+        "missed": missed,  # of the pixels: something of another colour was there
+        **dict(zip(("across", "down"), (1 + slope).tolist(), strict=True)),
+        **dict(zip(("across_error", "down_error"), error.tolist(), strict=True)),
+    }
 
 
 def _shifts(found: Found) -> tuple[NDArray[Any], ...]:
@@ -676,23 +557,3 @@ def _shifts(found: Found) -> tuple[NDArray[Any], ...]:
     way = np.where(weight[..., None] > 0, (found.uv - pair.uv) * pair.now.size, 0)
     count = np.maximum(_by_block(pair, weight > 0), 1)
     return shift, matrix, known, off, np.stack([_by_block(pair, way[..., k]) / count for k in (0, 1)], axis=-1)
-
-
-def _slope_of_z(found: list[Found], best: Convention) -> tuple[float, float] | None:
-    """Return the change of depth over the vectors' z, and its standard error, over blocks."""
-    if best.unit == METRES or any(one.pair.vectors.shape[2] < 3 or one.pair.now.planes is None for one in found):
-        return None
-    over, under = [], []
-    for one in found:
-        pair, planes, then = one.pair, one.pair.now.planes, one.pair.before.planes
-        assert planes is not None and then is not None, "checked above"
-        z = pair.vectors[..., 2] * (-1 if best.sign == BACKWARD else 1)
-        change = planes.encode(pair.inverse) - then.encode(sampled(pair.before.inverse_depth, one.uv))
-        good = one.seen & pair.one_surface & np.isfinite(change) & np.isfinite(z)
-        over.append(_by_block(pair, np.where(good, z * change, 0)))
-        under.append(_by_block(pair, np.where(good, z * z, 0)))
-    top, low = np.concatenate(over), np.concatenate(under)
-    if not low.sum() > 0:
-        return None
-    slope = float(top.sum() / low.sum())
-    return slope, float(np.sqrt(((top - slope * low) ** 2).sum()) / low.sum())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import attrs
@@ -16,11 +16,13 @@ from .conventions import differences
 from .stated_frames import AXES, BUFFER, METRES, Array, Reading, Sheet, Stated
 
 Indices = NDArray[np.int64]
+Place = tuple[float, float]
 _TILES = 3  # a side: parts of a picture that err together
 WIDE = "wide"  # both wide_x and wide_y by one factor: pixels are as square as stated
 TURN, DEPTH_SHIFT = ("turn_x", "turn_y", "turn_z"), ("depth_x", "depth_y")  # of faults that are no convention
 LOGARITHMS = ("factor", "wide_x", "wide_y", WIDE, "depth_wide")  # fitted as such
 _ROUNDS = 5
+_SHARED = 64  # of what is known of readings, kept
 _CUT = 6.0  # standard deviations: what disagrees more is no evidence of how much
 _CHANCE = 0.8  # of the worst disagreement: what points have that meet by chance, and those out of view
 _SMALL = 1e-9
@@ -37,7 +39,8 @@ class _Residuals:
     brightness: Array  # of the one frame; the other has `colour` more
     seen: NDArray[np.bool_]  # whether the point lies in the other picture
     sky: NDArray[np.bool_]  # whether both frames have it infinitely far
-    pixel: Array  # (pairs, points, 2) where, in pixels
+    column: Array  # where, in pixels
+    line: Array
 
 
 def _median(values: Array, default: float) -> float:
@@ -74,57 +77,56 @@ class Overlap:
         row, column = at * _TILES // sides[:, None, None]
         self.block = (np.arange(len(pairs))[:, None] * _TILES + row) * _TILES + column
         self.blocks = len(pairs) * _TILES**2
+        # Readings come again, and share brightness, depth and rays of the points.
+        kept = lru_cache(_SHARED)
+        self.residuals, self._rays = kept(self._residuals_of), kept(self._rays_of)
+        self._brightness, self._numbers = kept(self._brightness_of), kept(self._numbers_of)
 
-    def residuals(self, reading: Reading) -> _Residuals:
+    def _residuals_of(self, reading: Reading) -> _Residuals:
         """Return how each point disagrees with what the other frame has there."""
         turn, place = reading.poses(self.stated)
         one, other = self.pairs.T
         back = turn[other].transpose(0, 2, 1)
         across = np.einsum("pij,pj->pi", back, place[one] - place[other])
+        shift = reading.depth_wide, reading.depth_x, reading.depth_y
+        colour_up, depth_up = reading.colour_rows_up, reading.depth_rows_up
         base = self.sheet.inverse if reading.kind == METRES else self.sheet.numbers
-        row = self._height - 1 - self.row if reading.depth_rows_up else self.row
-        left, right, down, up = self.stated.tangents[self._from].transpose(2, 0, 1)
-        x = left + (self.column + 0.5 + reading.pixel_x / self._per_pixel) / self._width * (right - left)
-        y = up - (row + 0.5 + reading.pixel_y / self._per_pixel) / self._height * (up - down)
-        x, y = x * reading.wide_x, y * reading.wide_y
-        bent = 1 + reading.bend * (x * x + y * y) if reading.bend else 1.0
-        x, y = x * bent, y * bent
-        numbers = self._picture_at(base, *self._in_depth(self.column, self.row, reading), self._from)
-        apart = np.exp(reading.scales or np.zeros(len(self.stated.frames)))
-        inverse = reading.inverse_depth(numbers, np.sqrt(1 + x * x + y * y)) * apart[self._from]
-        ahead = np.stack([x, y, -np.ones_like(x)], axis=-1)
+        here, numbers = self._brightness(colour_up, depth_up), self._numbers(reading.kind, shift)
+        pixel, wide = (reading.pixel_x, reading.pixel_y), (reading.wide_x, reading.wide_y)
+        ahead, ray = self._rays(depth_up, pixel, wide, reading.bend)
+        inverse, apart = reading.inverse_depth(numbers, ray), np.exp(reading.scales)
+        if reading.scales:
+            inverse = inverse * apart[self._from]
         moved = ahead @ (back @ turn[one]).transpose(0, 2, 1) + inverse[..., None] * across[:, None]
         w = -moved[..., 2]
+        left, right, down, up = self.stated.tangents[self._to].transpose(2, 0, 1)
         with np.errstate(divide="ignore", invalid="ignore"):
             x, y, expected = moved[..., 0] / w, moved[..., 1] / w, inverse / w
-        left, right, down, up = self.stated.tangents[self._to].transpose(2, 0, 1)
-        with np.errstate(invalid="ignore"):
             bent = 1 + reading.bend * (x * x + y * y) if reading.bend else 1.0
-            across_x, across_y = x / bent / reading.wide_x, y / bent / reading.wide_y
-            column = (across_x - left) / (right - left) * self._width - 0.5 - reading.pixel_x / self._per_pixel
-            line = (up - across_y) / (up - down) * self._height - 0.5 - reading.pixel_y / self._per_pixel
+            across_x, across_y = x / bent / wide[0], y / bent / wide[1]
+            column = (across_x - left) / (right - left) * self._width - 0.5 - pixel[0] / self._per_pixel
+            line = (up - across_y) / (up - down) * self._height - 0.5 - pixel[1] / self._per_pixel
             seen = (w > 1e-6) & (column >= 0) & (column <= self._width - 1) & (line >= 0) & (line <= self._height - 1)
             seen &= inverse >= -1e-9
         column, line = np.where(seen, column, 0), np.where(seen, line, 0)
-        there = self._in_depth(column, self._height - 1 - line if reading.depth_rows_up else line, reading)
-        sampled = self._picture_at(base, *there, self._to)
+        there, target = self._in_depth(column, self._turned(line, depth_up), shift), self._turned(line, colour_up)
+        if there[0] is column and colour_up == depth_up:  # one place in both pictures
+            sampled, pictured = self._values(self._to, *there, base, self.sheet.picture)
+        else:
+            (sampled,) = self._values(self._to, *there, base)
+            (pictured,) = self._values(self._to, column, target, self.sheet.picture)
         if self._between:
-            smooth = self.sheet.smooth[self._to, there[1].astype(int), there[0].astype(int)]
-            sampled = np.where(smooth, sampled, np.nan)
-        ray = np.sqrt(1 + np.where(seen, x * x + y * y, 0))
+            at = (self._to * self._height + there[1].astype(np.intp)) * self._width + there[0].astype(np.intp)
+            sampled = np.where(self.sheet.smooth.take(at), sampled, np.nan)
         # Compared as numbers that were measured: what a fit may change must not change their noise.
         size = np.abs(sampled - reading.end)
         # In its own size and, so that what is far counts less, that of the median without the sky.
         with np.errstate(invalid="ignore", divide="ignore"):
-            depth = reading.base(expected / apart[self._to], ray) - sampled
+            ray = np.sqrt(1 + np.where(seen, x * x + y * y, 0)) if reading.along else ray
+            depth = reading.base(expected / apart[self._to] if reading.scales else expected, ray) - sampled
             depth /= 0.5 * (size + _median(size[size > 0], 1.0))
-        source, target = (self._height - 1 - index for index in (row, line)) if reading.colour_rows_up else (row, line)
-        pictured = self._picture_at(self.sheet.picture, column, target, self._to)
-        here = self._picture_at(self.sheet.picture, self.column, source, self._from)
-        colour = pictured - here
-        pixel = np.stack([column, line], -1)
-        sky = seen & (size == 0) & (depth == 0)
-        return _Residuals(np.where(seen, depth, np.nan), np.where(seen, colour, np.nan), here, seen, sky, pixel)
+        colour, sky = pictured - here, seen & (size == 0) & (depth == 0)
+        return _Residuals(np.where(seen, depth, np.nan), np.where(seen, colour, np.nan), here, seen, sky, column, line)
 
     def score(self, reading: Reading) -> Array:
         """Return the agreement of each point, 0 to 1; NaN where nothing can be said."""
@@ -133,26 +135,49 @@ class Overlap:
             score = 1 / ((1 + (found.depth / _DEPTH) ** 2) * (1 + (found.colour / _COLOUR) ** 2))
         return np.where(found.seen, score, 0)
 
-    def _in_depth(self, column: Array, line: Array, reading: Reading) -> tuple[Array, Array]:
+    def _brightness_of(self, colour_up: bool, depth_up: bool) -> Array:
+        line = self._turned(self._turned(self.row, depth_up), colour_up)
+        return self._values(self._from, self.column, line, self.sheet.picture)[0]
+
+    def _numbers_of(self, kind: str, shift: tuple[float, float, float]) -> Array:
+        base = self.sheet.inverse if kind == METRES else self.sheet.numbers
+        return self._values(self._from, *self._in_depth(self.column, self.row, shift), base)[0]
+
+    def _rays_of(self, depth_up: bool, pixel: Place, wide: Place, bend: float) -> tuple[Array, Array]:
+        """Return (pairs, points, 3) rays to the plane z = -1, and their lengths."""
+        left, right, down, up = self.stated.tangents[self._from].transpose(2, 0, 1)
+        x = left + (self.column + 0.5 + pixel[0] / self._per_pixel) / self._width * (right - left)
+        y = up - (self._turned(self.row, depth_up) + 0.5 + pixel[1] / self._per_pixel) / self._height * (up - down)
+        x, y = x * wide[0], y * wide[1]
+        bent = 1 + bend * (x * x + y * y) if bend else 1.0
+        x, y = x * bent, y * bent
+        return np.stack([x, y, -np.ones_like(x)], axis=-1), np.sqrt(1 + x * x + y * y)
+
+    def _turned(self, line: Array, is_up: bool) -> Array:
+        return self._height - 1 - line if is_up else line
+
+    def _in_depth(self, column: Array, line: Array, shift: tuple[float, float, float]) -> tuple[Array, Array]:
         """Return where the picture of depth has these pixels of the colour's."""
-        if reading.depth_wide == 1 and not (reading.depth_x or reading.depth_y):
+        if shift == (1, 0, 0):
             return column, line
-        (x, y), wide = ((self._width - 1) / 2, (self._height - 1) / 2), reading.depth_wide
-        column = (column - x) / wide + x + reading.depth_x / self._per_pixel
-        line = (line - y) / wide + y + reading.depth_y / self._per_pixel
+        (x, y), (wide, right, down) = ((self._width - 1) / 2, (self._height - 1) / 2), shift
+        column = (column - x) / wide + x + right / self._per_pixel
+        line = (line - y) / wide + y + down / self._per_pixel
         return column.clip(0, self._width - 1), line.clip(0, self._height - 1)
 
-    def _picture_at(self, pictures: Array, column: Array, line: Array, frame: Indices) -> Array:
-        """Return the values at those places: of the nearest pixel, or between pixels."""
+    def _values(self, frame: Indices, column: Array, line: Array, *pictures: Array) -> list[Array]:
+        """Return values of pictures at those places: of the nearest pixel, or between pixels."""
         if not self._between:
-            found: Array = pictures[frame, np.rint(line).astype(int), np.rint(column).astype(int)]
-            return found
-        left = np.clip(column.astype(int), 0, self._width - 2)
-        top = np.clip(line.astype(int), 0, self._height - 2)
-        x, y = column - left, line - top
-        upper = pictures[frame, top, left] * (1 - x) + pictures[frame, top, left + 1] * x
-        lower = pictures[frame, top + 1, left] * (1 - x) + pictures[frame, top + 1, left + 1] * x
-        return np.asarray(upper * (1 - y) + lower * y)
+            at = ((frame * self._height + np.rint(line)) * self._width + np.rint(column)).astype(np.intp)
+            return [picture.take(at) for picture in pictures]
+        left = np.clip(column.astype(np.intp), 0, self._width - 2)
+        top = np.clip(line.astype(np.intp), 0, self._height - 2)
+        at, x, y, found = (frame * self._height + top) * self._width + left, column - left, line - top, []
+        for picture in pictures:
+            upper = picture.take(at) * (1 - x) + picture.take(at + 1) * x
+            lower = picture.take(at + self._width) * (1 - x) + picture.take(at + self._width + 1) * x
+            found.append(upper * (1 - y) + lower * y)
+        return found
 
     def by_block(self, values: Array) -> tuple[Array, Array]:
         """Return the sum of values in each block, and how many there are; NaN does not count."""
@@ -161,29 +186,20 @@ class Overlap:
         return sums, np.bincount(self.block[known], minlength=self.blocks).astype(np.float64)
 
 
-@attrs.frozen(eq=False)
-class Fitted:
-    """A reading, and the standard error of each fitted number: inf where the frames say nothing."""
-
-    reading: Reading
-    error: dict[str, float] = attrs.field(factory=dict)
+# The deviations of what agrees, of depth and of brightness; a reading with the standard error of
+# each fitted number, inf where the frames say nothing.
+Noise = tuple[float, float]
+Fitted = tuple[Reading, dict[str, float]]
 
 
-@attrs.frozen
-class Noise:
-    """Deviations of what agrees."""
+def noise_of(found: _Residuals) -> Noise:
+    """Return the noise from medians, which outliers do not move.
 
-    depth: float
-    colour: float
-
-    @classmethod
-    def of(cls, found: _Residuals) -> Noise:
-        """Return those of residuals: from their medians, which outliers do not move.
-
-        Sky on sky, which agrees under many readings, tells nothing of it.
-        """
-        both = (np.abs(apart[~found.sky]) for apart in (found.depth, found.colour))
-        return cls(*(max(1.48 * _median(one, math.inf), 1e-4) for one in both))
+    Sky on sky, which agrees under many readings, tells nothing of it.
+    """
+    both = (np.abs(apart[~found.sky]) for apart in (found.depth, found.colour))
+    depth, colour = (max(1.48 * _median(one, math.inf), 1e-4) for one in both)
+    return depth, colour
 
 
 def cost(found: _Residuals, noise: Noise) -> Array:
@@ -191,7 +207,7 @@ def cost(found: _Residuals, noise: Noise) -> Array:
     with np.errstate(invalid="ignore"):
         each = [
             np.log1p(np.minimum(one / deviation, _CUT) ** 2)
-            for one, deviation in ((np.abs(found.depth), noise.depth), (np.abs(found.colour), noise.colour))
+            for one, deviation in zip((np.abs(found.depth), np.abs(found.colour)), noise, strict=True)
         ]
     worst = math.log1p(_CUT**2)
     return np.where(found.seen, np.where(np.isnan(each[0]), worst, each[0]) + each[1], 2 * _CHANCE * worst)
@@ -222,12 +238,11 @@ def fit(overlap: Overlap, start: Reading, steps: dict[str, float]) -> Fitted:
     for _ in range(_ROUNDS):
         reading = changed(start, names, change.tolist())
         found = overlap.residuals(reading)
-        noise = Noise.of(found)
+        noise = noise_of(found)
         hessian, spread = prior.copy(), np.zeros((overlap.blocks, len(names)))
         down = prior @ change
         slopes = [overlap.residuals(changed(reading, [name], [1e-3 * steps[name]])) for name in names]
-        for kind in ("depth", "colour"):
-            deviation = getattr(noise, kind)
+        for kind, deviation in zip(("depth", "colour"), noise, strict=True):
             values = getattr(found, kind) / deviation
             slope = np.stack([(getattr(slope, kind) / deviation - values) for slope in slopes], -1) / (1e-3 * small)
             with np.errstate(invalid="ignore"):
@@ -247,7 +262,7 @@ def fit(overlap: Overlap, start: Reading, steps: dict[str, float]) -> Fitted:
     inverse = np.linalg.pinv(hessian)
     error = np.sqrt(np.diag(inverse @ (spread.T @ spread + prior) @ inverse))
     error = np.where(np.diag(hessian - prior) * small**2 > _SMALL, error, math.inf)
-    return Fitted(changed(start, names, change.tolist()), dict(zip(names, error.tolist(), strict=True)))
+    return changed(start, names, change.tolist()), dict(zip(names, error.tolist(), strict=True))
 
 
 PAIRS, _COARSE_POINTS, FINE_POINTS = 16, 160, 400  # compared pairs of frames; points of each
@@ -271,7 +286,7 @@ class Candidate:
     """A reading, and how it does on the fine pictures."""
 
     reading: Reading
-    error: dict[str, float]  # as Fitted has it
+    error: dict[str, float]  # as Fitted has them
     cost: Array  # of each block
 
     @cached_property
@@ -304,14 +319,13 @@ class Search:
         self.middle = Overlap(stated, stated.coarse, pairs, FINE_POINTS * points, between=True)
         same = stated.coarse.numbers.shape == stated.fine.numbers.shape
         self.fine = self.middle if same else Overlap(stated, stated.fine, pairs, FINE_POINTS * points, between=True)
-        self._scores: dict[Reading, float] = {}
+        self.score = lru_cache(None)(self._score_of)
+        self._fits: dict[tuple[Reading, tuple[str, ...]], Fitted] = {}
 
-    def score(self, reading: Reading) -> float:
+    def _score_of(self, reading: Reading) -> float:
         """Return the agreement on the coarse pictures, 0 to 1."""
-        if reading not in self._scores:
-            sums, counts = self.coarse.by_block(self.coarse.score(reading))
-            self._scores[reading] = float(sums.sum() / max(counts.sum(), 1))
-        return self._scores[reading]
+        sums, counts = self.coarse.by_block(self.coarse.score(reading))
+        return float(sums.sum() / max(counts.sum(), 1))
 
     def best(self, readings: Sequence[Reading]) -> Reading:
         """Return that of the highest agreement, the first of equals."""
@@ -337,22 +351,20 @@ class Search:
             if (colour, depth) != (start.colour_rows_up, start.depth_rows_up):
                 yield attrs.evolve(start, colour_rows_up=colour, depth_rows_up=depth)
 
-    def usual_numbers(self, start: Reading) -> list[list[Reading]]:
-        """Return readings of depth in other units, and of depth buffers; a list for each kind."""
-        middle = float(np.median(_near(self.stated.coarse.inverse)))
+    def numbers(self, start: Reading, *, usual: bool = False) -> list[list[Reading]]:
+        """Return readings of depth in other units, and of depth buffers; a list for each kind.
+
+        And, but for `usual` ones, of distances that were made of a buffer with other planes.
+        """
+        base = _near(self.stated.coarse.inverse)
+        middle, most = float(np.median(base)), float(np.percentile(base, 99.9))
         ways = [[attrs.evolve(start, factor=factor) for factor in self._factors(start, middle)]]
         if self.stated.may_be_buffer:
             for end, sign in ((1.0, -1.0), (-1.0 if self.stated.signed else 0.0, 1.0)):
-                buffer = attrs.evolve(start, kind=BUFFER, end=end)
-                middle = float(np.median(np.abs(_near(self.stated.coarse.numbers - end))))
-                ways.append(self._encoded(buffer, sign, middle, _FARTHEST))
-        return ways
-
-    def numbers(self, start: Reading) -> list[list[Reading]]:
-        """Return the same, and of distances that were made of a buffer with other planes."""
-        base = _near(self.stated.coarse.inverse)
-        middle, most = float(np.median(base)), float(np.percentile(base, 99.9))
-        ways = self.usual_numbers(start)
+                apart = float(np.median(np.abs(_near(self.stated.coarse.numbers - end))))
+                ways.append(self._encoded(attrs.evolve(start, kind=BUFFER, end=end), sign, apart, _FARTHEST))
+        if usual:
+            return ways
         if not self.stated.may_be_buffer:  # near 1 a buffer and one over it differ by a plane
             both = itertools.product(_OFFSETS, (0.7, 1.0, 1.4))
             ways.append([attrs.evolve(start, offset=share * middle, factor=factor) for share, factor in both])
@@ -431,13 +443,17 @@ class Search:
     def fitted(self, start: Reading, names: Sequence[str]) -> Fitted:
         """Return the reading with these numbers as the pictures have them."""
         steps = {name: step for name, step in self.steps(start).items() if name in names}
-        found = fit(self.middle, start, steps) if steps else Fitted(start)
-        return found if not steps or self.fine is self.middle else fit(self.fine, found.reading, steps)
+        if not steps:
+            return start, {}
+        if (key := (start, tuple(steps))) not in self._fits:
+            found = fit(self.middle, start, steps)
+            self._fits[key] = found if self.fine is self.middle else fit(self.fine, found[0], steps)
+        return self._fits[key]
 
-    def candidate(self, fitted: Fitted, noise: Noise) -> Candidate:
+    def candidate(self, noise: Noise, reading: Reading, error: dict[str, float] | None = None) -> Candidate:
         """Return the reading with its disagreement, block by block."""
-        costs = self.fine.by_block(cost(self.fine.residuals(fitted.reading), noise))[0]
-        return Candidate(fitted.reading, fitted.error, costs)
+        costs = self.fine.by_block(cost(self.fine.residuals(reading), noise))[0]
+        return Candidate(reading, error or {}, costs)
 
 
 def standard_errors(apart: Array) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import sys
 from collections.abc import Sequence
 from functools import cached_property
@@ -51,89 +52,64 @@ class Sheet:
     smooth: NDArray[np.bool_]  # (n, h, w) whether the four pixels from here right and down are one surface
 
 
-@attrs.frozen(eq=False)
 class Stated:
     """Two or more frames, ready to be compared.
 
+    assumptions: how a folder was read, with who says each fact. notes: what its depth suggests.
     Errors: InputError for fewer than two, for different sizes, and for depth that has no number.
     """
 
-    frames: Sequence[StatedFrame]
-    # How a folder was read, with who says each fact, and what its depth suggests.
-    assumptions: tuple[Assumption, ...] = ()
-    notes: tuple[str, ...] = ()
-    # Matrices and positions that a reading makes of the poses: most readings share them.
-    poses_read: dict[tuple[str, bool, str, bool, float], tuple[Array, Array]] = attrs.field(factory=dict, init=False)
-
-    def __attrs_post_init__(self) -> None:
-        if len(self.frames) < 2:
-            raise InputError(f"{len(self.frames)} frame: two or more are needed, of the same things from two places")
-        for frame in self.frames:
-            shape = self.frames[0].depth.shape
+    def __init__(
+        self, frames: Sequence[StatedFrame], assumptions: Sequence[Assumption] = (), notes: Sequence[str] = ()
+    ) -> None:
+        if len(frames) < 2:
+            raise InputError(f"{len(frames)} frame: two or more are needed, of the same things from two places")
+        shape = frames[0].depth.shape
+        self.frames, self.assumptions, self.notes = frames, assumptions, notes
+        self.depths = [frame.depth[np.isfinite(frame.depth) & (frame.depth != 0)] for frame in frames]  # what is known
+        for frame, known in zip(frames, self.depths, strict=True):
             if frame.depth.shape != shape or frame.colour.shape[:2] != shape:
                 raise InputError(
                     f"{frame.name}: colour {frame.colour.shape}, depth {frame.depth.shape}: expected {shape} as in "
-                    f"{self.frames[0].name}; frames of one camera have one size"
+                    f"{frames[0].name}; frames of one camera have one size"
                 )
-            if not (np.isfinite(frame.depth) & (frame.depth != 0)).any():
+            if not len(known):
                 raise InputError(f"{frame.name}: no pixel has depth")
-
-    @property
-    def position(self) -> Array:
-        """(n, 3) as stated."""
-        return np.array([frame.view.pose.position_m for frame in self.frames])
-
-    @property
-    def orientation(self) -> Array:
-        """(n, 4) quaternions as stated."""
-        return np.array([frame.view.pose.orientation_xyzw for frame in self.frames])
-
-    @cached_property
-    def tangents(self) -> Array:
-        """(n, 4) left, right, down, up."""
-        return np.array([frame.view.fov.tangents for frame in self.frames])
-
-    @cached_property
-    def seconds(self) -> Array | None:
-        """(n,) from the first frame; None where times lack or do not rise."""
-        times = [frame.time_ns for frame in self.frames if frame.time_ns is not None]
-        if len(times) < len(self.frames):
-            return None
-        seconds: Array = (np.array(times, dtype=np.int64) - times[0]) / 1e9
-        return seconds if (np.diff(seconds) >= 0).all() and seconds[-1] > 0 else None
-
-    @cached_property
-    def other_eye(self) -> NDArray[np.int64] | None:
-        """(n,) index of the frame of the other eye at that instant; None without pairs of eyes."""
-        place = {(one.time_ns, one.eye): k for k, one in enumerate(self.frames)}
-        pairs = [None if frame.eye is None else place.get((frame.time_ns, 1 - frame.eye)) for frame in self.frames]
-        return None if None in pairs else np.array(pairs)
-
-    @cached_property
-    def tracks(self) -> list[NDArray[np.int64]]:
-        """Indices of the frames of each eye, in the order of time."""
-        eyes = np.array([frame.eye or 0 for frame in self.frames])
-        return [np.flatnonzero(eyes == eye) for eye in np.unique(eyes)]
+        # Whether all numbers may be of a depth buffer; whether some are below 0, as in NDC.
+        self.may_be_buffer = all(bool((np.abs(known) <= 1 + 1e-6).all()) for known in self.depths)
+        self.signed = any(bool((frame.depth < 0).any()) for frame in frames)
+        # As stated: (n, 3) positions, (n, 4) quaternions, (n, 4) tangents left, right, down, up.
+        self.position = np.array([frame.view.pose.position_m for frame in frames])
+        self.orientation = np.array([frame.view.pose.orientation_xyzw for frame in frames])
+        self.tangents = np.array([frame.view.fov.tangents for frame in frames])
+        # Matrices and positions that a reading makes of the poses: most readings share them.
+        self.poses_read: dict[tuple[str, bool, str, bool, float], tuple[Array, Array]] = {}
+        # (n,) seconds from the first frame; None where times lack or do not rise.
+        times = np.array(
+            [math.nan if frame.time_ns is None else frame.time_ns - (frames[0].time_ns or 0) for frame in frames]
+        )
+        self.seconds = times / 1e9 if (np.diff(times) >= 0).all() and times[-1] > 0 else None
+        # (n,) index of the frame of the other eye at that instant; None without pairs of eyes.
+        place = {(one.time_ns, one.eye): k for k, one in enumerate(frames)}
+        pairs = [None if frame.eye is None else place.get((frame.time_ns, 1 - frame.eye)) for frame in frames]
+        self.other_eye = None if None in pairs else np.array(pairs)
+        # Indices of the frames of each eye, in the order of time.
+        eyes = np.array([frame.eye or 0 for frame in frames])
+        self.tracks = [np.flatnonzero(eyes == eye) for eye in np.unique(eyes)]
 
     @cached_property
     def interval_s(self) -> float | None:
         """Seconds between frames; None where the motion between them is not known."""
-        if self.seconds is None or min(map(len, self.tracks)) < _TRACK:
-            return None
-        between = np.concatenate([np.diff(self.seconds[track]) for track in self.tracks])
-        if not (between > 0).all() or self._unsteady() > _UNSTEADY:
-            return None
-        return float(np.median(between))
-
-    def _unsteady(self) -> float:
-        """Return how far frames lie off a smooth curve through the others, in what they move."""
         from scipy.interpolate import CubicSpline
         from scipy.spatial.transform import Rotation
 
-        assert self.seconds is not None
-        off = []
-        depths = [frame.depth[np.isfinite(frame.depth) & (frame.depth != 0)] for frame in self.frames]
-        distance = np.median(np.abs(np.concatenate(depths)))
+        if self.seconds is None or min(map(len, self.tracks)) < _TRACK:
+            return None
+        between = np.concatenate([np.diff(self.seconds[track]) for track in self.tracks])
+        if not (between > 0).all():
+            return None
+        # How far frames lie off a smooth curve through the others, in what they move.
+        off, distance = [], np.median(np.abs(np.concatenate(self.depths)))
         for track in self.tracks:
             turns = Rotation.from_quat(self.orientation[track])
             turned = (turns[len(track) // 2].inv() * turns).as_rotvec()
@@ -142,17 +118,7 @@ class Stated:
                 rest = np.delete(np.arange(len(track)), k)
                 error = np.linalg.norm(CubicSpline(times[rest], curve[rest])(times[k]) - curve[k])
                 off.append(error / max(float(np.linalg.norm(curve[k + 1] - curve[k - 1])), 1e-12))
-        return float(np.median(off))
-
-    @cached_property
-    def may_be_buffer(self) -> bool:
-        """Whether all numbers lie within those of a depth buffer."""
-        return all(bool((np.abs(frame.depth[np.isfinite(frame.depth)]) <= 1 + 1e-6).all()) for frame in self.frames)
-
-    @cached_property
-    def signed(self) -> bool:
-        """Whether depth has numbers below 0, as clip space from -1 has."""
-        return any(bool((frame.depth < 0).any()) for frame in self.frames)
+        return float(np.median(between)) if np.median(off) <= _UNSTEADY else None
 
     @cached_property
     def fine(self) -> Sheet:

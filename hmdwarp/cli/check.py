@@ -22,22 +22,12 @@ def check(said: Said) -> None:
 
     options = CheckOptions.of(said)
     if options.motion:
-        found: conventions.Answer | conventions.Verdict
-        found = conventions.check_motion(conventions.read_motion(options.frames[0]))
+        answer = conventions.check_motion(conventions.read_motion(options.frames[0]))
     else:
-        found = conventions.check(conventions.read_stated(options.frames, options.reading))
+        answer = conventions.check(conventions.read_stated(options.frames, options.reading))
     if said["json"]:
-        typer.echo(as_json(found.as_json()))
-    elif isinstance(found, conventions.Answer):
-        _print(found)
-    else:
-        paragraph(found.headline())
-        typer.echo("".join(f"{line}\n" for line in found.lines()), nl=False)
-
-
-def _print(answer: conventions.Answer) -> None:
-    from ._show import paragraph
-
+        typer.echo(as_json(answer.as_json()))
+        return
     paragraph(answer.headline)
     width = max((len(finding.label) for finding in answer.findings), default=0)
     for finding in (finding for finding in answer.findings if finding.told):

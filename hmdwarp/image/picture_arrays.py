@@ -176,12 +176,11 @@ def is_one_of(name: object, known: Collection[str]) -> bool:
     return name is None or (isinstance(name, str) and name in known)
 
 
-def checked_view(name: str, view: object) -> View:
-    """Return the view. Errors: InputError for anything else."""
+def check_view(name: str, view: object) -> None:
+    """Check that it is a view. Errors: InputError for anything else."""
     if not isinstance(view, View):
         raise InputError(f"{name} is a {type(view).__name__}: expected a hmdwarp.View")
     view.pose.check_near(name)
-    return view
 
 
 def _in_linear_light(colour: NDArray[Any], encoding: str | None) -> NDArray[Any]:

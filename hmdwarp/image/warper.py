@@ -34,8 +34,8 @@ from ..sources.sequences import about_largest, about_unit
 from .picture_arrays import (
     CallerPicture,
     about_holes,
+    check_view,
     checked_size,
-    checked_view,
     is_one_of,
     raw_picture,
     without_hidden,
@@ -161,6 +161,7 @@ class Warper:
             raise InputError(f"gpu is of type {type(gpu).__name__}: expected a hmdwarp.gpu.Gpu, as Gpu(context) is")
         self._own_gpu, self._count, self._thread = gpu, 0, threading.get_ident()
         self._warned: set[str] = set()
+        self._level = 2  # of the caller of warp, in whose name it warns
         levels = LEVELS if isinstance(warp, str) and warp == AUTO else ()
         auto = {level: plan_of(level.warp, level.fill, effects, depth=depth) for level in levels}
         plans = [*auto.values()] or [plan_of(warp, fill, effects, depth=depth)]
@@ -187,7 +188,7 @@ class Warper:
             self._layers = own(CallerLayers(current, self._needs, self.rendered_size))
             count = 1 + self._needs.others.count + self._needs.others.recent
             has_confidence = bool(self.repair.steps)
-            self._pictures = [own(HeldPicture(current, self.rendered_size, has_confidence)) for _ in range(count)]
+            self._held = [own(HeldPicture(current, self.rendered_size, has_confidence)) for _ in range(count)]
             self._take_in, self._give_out = own(TakeIn(current, sizes[0])), own(GiveOut(current, self.size))
             self._buffers = own(PixelBuffers(current, count))
             self._confidence = own(Canvas(current.gl, self.size)) if has_confidence else None
@@ -230,77 +231,84 @@ class Warper:
         """
         with self._gpu() as gpu:
             gpu.timer.collect()
-            pictures = _pictures(colour, depth_m, _checked_views(rendered, shown, eye), others, depth_scale, encoding)
-            return self._warped(gpu, pictures, shown, layers, age_s, result, eye)
-
-    def _warped(
-        self,
-        gpu: Gpu,
-        pictures: list[tuple[CallerPicture, View]],
-        shown: View,
-        layers: Mapping[str, Any],
-        age_s: float,
-        result: str | None,
-        eye: int = 0,
-    ) -> WarpedImage:
-        """Return the result, and warn in the name of the function that the caller has called."""
-        if not is_one_of(result, (SRGB8, SRGB, LINEAR)):
-            raise InputError(f"result is {in_brief(result)}: expected srgb8, srgb, linear, or None for the picture's")
-        if isinstance(age_s, bool) or not isinstance(age_s, Real) or not abs(age_s) <= _MOST_AGE_S:
-            raise InputError(f"age_s is {in_brief(age_s)}: expected seconds from drawing the picture to showing it")
-        for number, (picture, _) in enumerate(pictures):
-            if picture.size != self.rendered_size:
-                (found_wide, found_high), (wide, high) = picture.size, self.rendered_size
-                name = f"others[{number - 1}]: " if number else ""
-                raise InputError(f"{name}colour is {found_wide}x{found_high} pixels: this Warper is for {wide}x{high}")
-        self._check_others(len(pictures) - 1)
-        self._layers.check(layers, self._named)
-        kind, found = pictures[0][0].encoding if result is None else result, self._buffers.found
-        self._count += 1
-        if self.repair.steps:
-            pictures = [(picture.checked(), view) for picture, view in pictures]
-        found.clear()
-        for number, (held, (picture, _)) in enumerate(zip(self._pictures, pictures, strict=False)):
-            mended = picture
+            _check_call(rendered, shown, eye, age_s, result)
+            pictures = self._pictures_of(colour, depth_m, rendered, others, depth_scale, encoding)
+            self._check_others(len(pictures) - 1)
+            self._layers.check(layers, self._named)
+            kind, found = pictures[0][0].encoding if result is None else result, self._buffers.found
+            self._count += 1
             if self.repair.steps:
-                with gpu.timer.cpu_stage("repair"):
-                    mended, confidence = picture.repaired(self.repair)
-                held.hold_confidence(confidence)
+                pictures = [(picture.checked(), view) for picture, view in pictures]
+            found.clear()
+            for number, (held, (picture, _)) in enumerate(zip(self._held, pictures, strict=False)):
+                mended = picture
+                if self.repair.steps:
+                    with gpu.timer.cpu_stage("repair"):
+                        mended, confidence = picture.repaired(self.repair)
+                    held.hold_confidence(confidence)
+                with gpu.timer.cpu_stage("upload"):
+                    sent = self._take_in.send(mended, self._buffers, number)
+                    self._take_in.run(mended, sent, held.pair, found, number)
+            if self._learns:
+                self._check_numbers(pictures)
+            images = [
+                EyeImage(view, *held.pair, drawn_ns=self._count)
+                for held, (_, view) in zip(self._held, pictures, strict=False)
+            ]
             with gpu.timer.cpu_stage("upload"):
-                sent = self._take_in.send(mended, self._buffers, number)
-                self._take_in.run(mended, sent, held.pair, found, number)
-        if self._learns:
+                images[0] = images[0].having(**self._layers.hold(layers))
+            inputs = self._inputs(images, shown, eye, round(float(age_s) * 1e9))
+            if self._compensator is None:
+                self._compensator = self._owner.own(self._choose(inputs))
+                self._plan = self._compensator.plan
+            made = self._compensator.run(inputs)
+            if self._confidence is not None:
+                sure = {held.pair[0]: held.sure for held in self._held}
+                self._compensator.carry(inputs, lambda image: sure[image.colour], self._confidence)
+            assert made.shown is not None and made.warped is not None, "only a fused plan lacks them"
+            depth = made.inverse_depth if self._has_depth else None
+            with gpu.timer.cpu_stage("download"):
+                buffers = self._give_out.run(made.shown, made.warped, depth, self._confidence, kind, self._buffers)
             self._check_numbers(pictures)
-        images = [
-            EyeImage(view, *held.pair, drawn_ns=self._count)
-            for held, (_, view) in zip(self._pictures, pictures, strict=False)
-        ]
-        with gpu.timer.cpu_stage("upload"):
-            images[0] = images[0].having(**self._layers.hold(layers))
-        inputs = self._inputs(images, shown, eye, round(float(age_s) * 1e9))
-        if self._compensator is None:
-            self._compensator = self._owner.own(self._choose(inputs))
-            self._plan = self._compensator.plan
-        made = self._compensator.run(inputs)
-        if self._confidence is not None:
-            sure = {held.pair[0]: held.sure for held in self._pictures}
-            self._compensator.carry(inputs, lambda image: sure[image.colour], self._confidence)
-        assert made.shown is not None and made.warped is not None, "only a fused plan lacks them"
-        depth = made.inverse_depth if self._has_depth else None
-        with gpu.timer.cpu_stage("download"):
-            buffers = self._give_out.run(made.shown, made.warped, depth, self._confidence, kind, self._buffers)
-        self._check_numbers(pictures)
-        gpu.check_not_lost()
-        share = found.holes / (self.size[0] * self.size[1])
-        for note in self._notes(*pictures[0], shown, share):
-            warnings.warn(note, stacklevel=3)
-        with gpu.timer.cpu_stage("download"):
-            arrays = self._give_out.arrays(buffers)
-        whole_ms, times = gpu.timer.lap_ms, dict[str, float]()
-        for stage, milliseconds in gpu.timer.collect():
-            times[stage] = times.get(stage, 0.0) + milliseconds
-        times["host"] = max(whole_ms - sum(times.values()), 0.0)  # their sum is the call
-        return WarpedImage(arrays["colour"], arrays["coverage"], times, share, kind, arrays.get("depth_m"))
+            gpu.check_not_lost()
+            share = found.holes / (self.size[0] * self.size[1])
+            for note in self._notes(*pictures[0], shown, share):
+                warnings.warn(note, stacklevel=self._level)
+            with gpu.timer.cpu_stage("download"):
+                arrays = self._give_out.arrays(buffers)
+            whole_ms, times = gpu.timer.lap_ms, dict[str, float]()
+            for stage, milliseconds in gpu.timer.collect():
+                times[stage] = times.get(stage, 0.0) + milliseconds
+            times["host"] = max(whole_ms - sum(times.values()), 0.0)  # their sum is the call
+            return WarpedImage(arrays["colour"], arrays["coverage"], times, share, kind, arrays.get("depth_m"))
+
+    def _pictures_of(
+        self,
+        colour: ArrayLike,
+        depth_m: ArrayLike,
+        rendered: View,
+        others: Sequence[Other],
+        depth_scale: float | None,
+        encoding: str | None,
+    ) -> list[tuple[CallerPicture, View]]:
+        """Return the picture and the others, each with its view. Errors: InputError."""
+        if not isinstance(others, Sequence):
+            expected = "a list of (colour, depth_m, view), or () for none"
+            raise InputError(f"others is of type {type(others).__name__}: expected {expected}")
+        found, (wide, high) = [], self.rendered_size
+        for number, given in enumerate([(without_hidden(colour, rendered), depth_m, rendered), *others]):
+            name = f"others[{number - 1}]: " if number else ""
+            try:
+                given_colour, given_m, view = given
+            except (TypeError, ValueError) as error:
+                raise InputError(f"{name}expected (colour, depth_m, view)") from error
+            picture = raw_picture(given_colour, given_m, depth_scale, encoding)
+            check_view(f"{name}view", view)
+            if picture.size != self.rendered_size:
+                found_wide, found_high = picture.size
+                raise InputError(f"{name}colour is {found_wide}x{found_high} pixels: this Warper is for {wide}x{high}")
+            found.append((picture, view))
+        return found
 
     def _check_numbers(self, pictures: list[tuple[CallerPicture, View]]) -> None:
         """Check what the GPU has noted of their numbers. Errors: InputError as checked_picture."""
@@ -338,7 +346,7 @@ class Warper:
             For arguments that do not fit; without gpu=; and for warp "auto", a repair or a warp of
             several pictures, which take arrays.
         """
-        views = _checked_views(rendered, shown, eye)
+        _check_call(rendered, shown, eye)
         self._check_others(0)
         self._layers.check(layers, f"{self._named} runs on arrays where it")
         if self._own_gpu is None or self.repair.steps or self._compensator is None:
@@ -351,8 +359,8 @@ class Warper:
                 raise InputError(f"{name} is {in_brief(texture)}: expected a moderngl.Texture of {expected}")
         with self._gpu() as gpu:
             self._count += 1
-            image = EyeImage(views[0], colour, inverse_depth, self._layers.hold(layers), drawn_ns=self._count)
-            made = self._compensator.run(self._inputs([image], views[1], eye))
+            image = EyeImage(rendered, colour, inverse_depth, self._layers.hold(layers), drawn_ns=self._count)
+            made = self._compensator.run(self._inputs([image], shown, eye))
             gpu.check_not_lost()
             assert made.shown is not None, "only a fused plan lacks it"
             return WarpedTextures(made.shown.texture, made.inverse_depth, self)
@@ -429,33 +437,15 @@ class Warper:
         return PassInputs(images[0], shown, eye, others, recent, shown_ns=self._count + age_ns)
 
 
-def _checked_views(rendered: object, shown: object, eye: int) -> tuple[View, View]:
+def _check_call(rendered: object, shown: object, eye: object, age_s: float = 0.0, result: object = None) -> None:
     if not isinstance(eye, Integral) or eye not in (0, 1):
         raise InputError(f"eye is {in_brief(eye)}: expected 0 (left) or 1 (right)")
-    return checked_view("rendered", rendered), checked_view("shown", shown)
-
-
-def _pictures(
-    colour: ArrayLike,
-    depth_m: ArrayLike,
-    views: tuple[View, View],
-    others: Sequence[Other],
-    depth_scale: float | None,
-    encoding: str | None,
-) -> list[tuple[CallerPicture, View]]:
-    """Return the picture and the others, each with its view. Errors: InputError."""
-    if not isinstance(others, Sequence):
-        expected = "a list of (colour, depth_m, view), or () for none"
-        raise InputError(f"others is of type {type(others).__name__}: expected {expected}")
-    found = [(raw_picture(without_hidden(colour, views[0]), depth_m, depth_scale, encoding), views[0])]
-    for number, other in enumerate(others):
-        try:
-            other_colour, other_m, view = other
-        except (TypeError, ValueError) as error:
-            raise InputError(f"others[{number}]: expected (colour, depth_m, view)") from error
-        picture = raw_picture(other_colour, other_m, depth_scale, encoding)
-        found.append((picture, checked_view(f"others[{number}]", view)))
-    return found
+    check_view("rendered", rendered)
+    check_view("shown", shown)
+    if isinstance(age_s, bool) or not isinstance(age_s, Real) or not abs(age_s) <= _MOST_AGE_S:
+        raise InputError(f"age_s is {in_brief(age_s)}: expected seconds from drawing the picture to showing it")
+    if not is_one_of(result, (SRGB8, SRGB, LINEAR)):
+        raise InputError(f"result is {in_brief(result)}: expected srgb8, srgb, linear, or None for the picture's")
 
 
 def warp_image(
@@ -550,13 +540,10 @@ def warp_image(
     MachineError
         Without OpenGL 4.3.
     """
-    pictures = _pictures(colour, depth_m, _checked_views(rendered, shown, 0), others, depth_scale, encoding)
-    own_size = pictures[0][0].size
+    own_size = raw_picture(colour, depth_m, depth_scale, encoding).size
     shown_size = own_size if size is None else checked_size(size)
     options: dict[str, Any] = {"warp": warp, "fill": fill, "effects": effects, "repair": repair, "depth": depth}
-    with (
-        Warper(shown_size, rendered_size=own_size, gpu=gpu, budget_ms=budget_ms, **options) as warper,
-        warper._gpu() as current,
-    ):
-        current.timer.collect()
-        return warper._warped(current, pictures, shown, layers, age_s, result)
+    with Warper(shown_size, rendered_size=own_size, gpu=gpu, budget_ms=budget_ms, **options) as warper:
+        warper._level += 1
+        said: dict[str, Any] = {"others": others, "layers": layers, "age_s": age_s, "depth_scale": depth_scale}
+        return warper.warp(colour, depth_m, rendered, shown, **said, encoding=encoding, result=result)

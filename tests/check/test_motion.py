@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 
 import attrs
@@ -18,13 +19,14 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.base import InputError, linear_from_srgb
 from hmdwarp.check import Convention, MotionFrame, MotionFrames, check_motion, read_motion, synthesise
-from hmdwarp.geometry import DepthLayer, Fov, Pose, View
+from hmdwarp.geometry import DepthLayer, Pose, View
 from hmdwarp.scenes import InputEvent, load_scene
 from hmdwarp.sources.server import Server
 
 MS, STEP_NS = 10**6, 50 * 10**6
 # Where a head begins to walk, and when, so that things move in view.
 SCENES = {"playroom": ((0.0, 1.4, 0.2), 250), "parade": ((0.2, 1.5, 0.2), 250), "skinned": ((0.0, 1.6, 0.5), 300)}
+EVERY = 1 if "HMDWARP_CHECK_CASES" in os.environ else 3
 EXTENSION, PLANES = CONVENTIONS[0], DepthLayer(0, 1, made.NEAR, made.FAR)
 
 
@@ -61,7 +63,10 @@ def true(gpu, tmp_path_factory) -> dict[str, list[TrueFrame]]:
         for thing, way in (("ball", (-0.6, 0, -1)), ("door", (1, 0, 0))) if name == "playroom" else ():
             scene.inputs.add(InputEvent(0, "push", thing, direction=way))
         server = Server(gpu, scene)
-        found[name] = made.true_frames(server, made.walking_head(at), [start * MS + k * STEP_NS for k in range(4)])
+        times = [start * MS + k * STEP_NS for k in range(4)]
+        found[name] = made.true_frames(server, made.walking_head(at), times)
+        if name == "skinned":
+            found["steady"] = made.true_frames(server, made.walking_head(at), times, np.zeros((4, 2)))
         server.close()
     return found
 
@@ -77,14 +82,14 @@ def given(
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_each_of_32_conventions_is_named_from_four_frames(true, scene):
-    for convention in CONVENTIONS:
-        verdict = check_motion(given(true[scene], made.arrays_of(true[scene], convention)))
-        assert attrs.astuple(verdict.best) == convention, verdict.headline()
-        assert verdict.verdict == ("right" if convention == EXTENSION else "wrong"), verdict.headline()
-        assert all(one.told for one in verdict.properties), (convention, verdict.lines())
-        # Exact but for half floats, and for pixels at edges: 1 % of the factor, 5 % of z.
-        assert np.abs(np.array(verdict.contradictions.factor) - 1).max() < 0.01
-        assert verdict.z is None or abs(verdict.z[0] - 1) < 0.05
+    """Each in one of the scenes, by default."""
+    for convention in CONVENTIONS[list(SCENES).index(scene) % EVERY :: EVERY]:
+        answer = check_motion(given(true[scene], made.arrays_of(true[scene], convention)))
+        assert attrs.astuple(answer.reading) == convention, answer.headline
+        assert answer.verdict == ("right" if convention == EXTENSION else "wrong"), answer.headline
+        assert all(finding.told for finding in answer.findings) and len(answer.findings) == 4, convention
+        # Exact but for half floats, and for pixels at edges: 1 % of the factor.
+        assert (answer.figures["across"], answer.figures["down"]) == pytest.approx((1, 1), abs=0.01)
 
 
 def test_right_vectors_of_fine_detail_without_antialiasing_are_right(gpu):
@@ -104,12 +109,6 @@ def as_if(turns: bool = True, moves: bool = True):
         return ndc(now.view, now.now) - ndc(then, then.pose.inverse().transform(now.view.pose.transform(now.now)))
 
     return vectors
-
-
-def other_lens(now, before, _):
-    fov = now.view.fov
-    wide = View(Pose(), Fov(0.9 * fov.left, 0.9 * fov.right, 0.9 * fov.down, 0.9 * fov.up))
-    return ndc(wide, now.now) - ndc(wide, now.then)
 
 
 def within(rows: slice, columns: slice, values):
@@ -132,7 +131,7 @@ def jittered(times):
     return lambda now, before, right: right + np.append(2 * times * (now.jitter - before.jitter) / SIZE, 0)
 
 
-ALL, HALF = slice(None), (slice(LOW[1] // 2), slice(LOW[0] // 2))
+HALF = slice(LOW[1] // 2), slice(LOW[0] // 2)
 # What is wrong, the scenes that show it, and what it makes of a frame, the one before, and right
 # vectors; of two that lead further back, the vectors before too.
 FAULTS = {
@@ -145,18 +144,13 @@ FAULTS = {
     "the sky left cleared": ("parade", lambda now, _, right: np.where((now.inverse_depth > 0)[..., None], right, 0)),
     "an overlay that writes zeros": ("skinned", within(slice(80, None), slice(40, 120), lambda right: 0)),
     "a half picture read as a full one": ("playroom", within(*HALF, lambda right: right[::2, ::2])),
-    "a quarter read as the whole": ("parade", within(ALL, ALL, lambda right: right[HALF].repeat(2, 0).repeat(2, 1))),
     "a sub-image six pixels off": ("parade", lambda *of: np.roll(of[2], (6, 6), (0, 1))),
     "rows upside down": ("parade", lambda *of: of[2][::-1]),
     "x and y exchanged": ("skinned", lambda *of: of[2][..., [1, 0, 2]]),
-    "half as much again": ("parade", lambda *of: 1.5 * of[2]),
     "nine tenths": ("playroom", lambda *of: 0.9 * of[2]),
-    "per second": ("skinned", lambda *of: 20 * of[2]),
     "coded from 0 to 1": ("parade", lambda *of: 0.5 * of[2] + 0.5),
     "clamped": ("parade", lambda *of: np.clip(of[2], -0.02, 0.02)),
     "8 bits": ("parade", lambda *of: np.rint(of[2] * 127) / 127),
-    "coded with a gamma": ("playroom", lambda *of: np.sign(of[2]) * np.abs(of[2]) ** (1 / 2.2)),
-    "another field of view": ("parade", other_lens),
     "jitter twice": ("skinned", jittered(2)),
     "jitter the wrong way": ("skinned", jittered(-1)),
     "a frame late": ("parade", None),
@@ -174,9 +168,9 @@ def test_what_is_no_convention_cannot_be_told(true, fault):
             found = old if fault == "a frame late" else [one + two for one, two in zip(right, old, strict=True)]
         else:
             found = [change(now, before, one) for now, before, one in zip(frames[1:], frames, right, strict=False)]
-        verdict = check_motion(given(frames, [right[0], *(one.astype(np.float16) for one in found)]))
-        assert verdict.verdict == "cannot be told" and not verdict.explained, verdict.headline()
-        assert "no convention explains" in verdict.headline() and not verdict.code() and not verdict.lines()
+        answer = check_motion(given(frames, [right[0], *(one.astype(np.float16) for one in found)]))
+        assert answer.verdict == "cannot be told" and "no convention explains" in answer.headline, answer.headline
+        assert not answer.is_told and not answer.code and not answer.findings
 
 
 def test_what_frames_do_not_show_is_said(true):
@@ -184,19 +178,19 @@ def test_what_frames_do_not_show_is_said(true):
     first = true["skinned"][0]
     still = [attrs.evolve(first, time_ns=frame.time_ns, then=first.now) for frame in true["skinned"]]
     none = check_motion(given(still, made.arrays_of(still, EXTENSION)))
-    assert none.verdict == "right" and not any(one.told for one in none.properties)
-    assert "cannot be told from" in "\n".join(none.lines())
-    frames = [attrs.evolve(frame, jitter=np.zeros(2)) for frame in true["skinned"]]
-    assert not check_motion(given(frames, made.arrays_of(frames, EXTENSION))).properties[3].told
+    assert none.verdict == "right" and not any(one.told for one in none.findings)
+    assert "y up, current - previous, jitter out moves pixels by 0" in none.findings[1].why
+    steady = check_motion(given(true["steady"], made.arrays_of(true["steady"], EXTENSION)))
+    assert [one.name for one in steady.findings if not one.told] == ["jitter"] and steady.verdict == "right"
 
 
 def test_the_line_to_change_makes_them_those_of_the_extension(true):
     frames = true["skinned"]
     for convention in CONVENTIONS[3:24:6]:
         vectors = made.arrays_of(frames, convention)
-        numbers = re.search(r"Scale = \{(.*)\}", check_motion(given(frames, vectors)).code()[0])[1]
+        numbers = re.search(r"Scale = \{(.*)\}", check_motion(given(frames, vectors)).code[0])[1]
         read = check_motion(given(frames, vectors, scale=tuple(map(float, numbers.split(",")))[:3]))
-        assert attrs.astuple(read.best) == (*EXTENSION[:3], convention[3]), numbers
+        assert attrs.astuple(read.reading) == (*EXTENSION[:3], convention[3]), numbers
 
 
 def test_the_command_says_what_is_wrong_and_that_what_is_stated_is_right(true, tmp_path):
@@ -207,7 +201,8 @@ def test_the_command_says_what_is_wrong_and_that_what_is_stated_is_right(true, t
     stated = dict(zip(("unit", "y", "sign", "jitter"), CONVENTIONS[15], strict=True))
     made.write_folder(folder, true["parade"], CONVENTIONS[15], convention=stated)
     data = json.loads(hmdwarp("check", "--motion", folder, "--json").stdout)
-    assert data["verdict"] == "right" and data["told"] == [*stated] and data["code"] == []
+    assert data["verdict"] == "right" and data["told"] and data["code"] == []
+    assert [one["name"] for one in data["conventions"] if one["told"] and one["as_stated"]] == [*stated]
 
 
 def changed(folder, change):

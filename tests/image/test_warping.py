@@ -15,9 +15,8 @@ from scipy.spatial.transform import Rotation
 import hmdwarp
 from hmdwarp import Fov, InputError, Pose, View
 from hmdwarp.base import PlanError, UnknownNameError, linear_from_srgb, srgb8_from_linear
-from hmdwarp.client.warps import warps
-from hmdwarp.frames.layers import PICTURE
 from hmdwarp.gpu import Gpu
+from hmdwarp.image import usable_warps
 
 CONTEXT: dict[str, Gpu | None] = {}
 SHARED = {"gpu": None}  # the context of calls that bring none
@@ -32,10 +31,6 @@ def session_context(gpu):
 def warp_image(colour, depth_m, rendered, shown, warp="forward", fill="none", **more) -> hmdwarp.WarpedImage:
     """The warp alone, unless a test names a fill."""
     return hmdwarp.warp_image(colour, depth_m, rendered, shown, warp, fill, **{**CONTEXT, **more})
-
-
-# Those that need no more than a picture with depth.
-PICTURE_WARPS = [name for name in warps.names() if set(warps.get(name).reads) <= set(PICTURE)]
 
 
 @pytest.mark.parametrize("colour", ["uint8", "float32"])
@@ -59,7 +54,7 @@ def view(tangents=(-1.0, 1.0, -0.75, 0.75), position=(0.0, 0.0, 0.0), turn=(0.0,
     return View(Pose(position, Rotation.from_rotvec(np.radians(turn)).as_quat()), Fov.from_tangents(tangents))
 
 
-@pytest.mark.parametrize("warp", PICTURE_WARPS)
+@pytest.mark.parametrize("warp", usable_warps())
 def test_bytes_are_srgb_and_floats_linear(warp):
     rng = np.random.default_rng(1)
     picture = rng.integers(0, 256, (9, 11, 3), dtype=np.uint8)
@@ -122,7 +117,7 @@ def test_a_turn_moves_a_spot_by_its_tangent(warp, yaw, pitch):
     assert (row > 40) == (pitch > 0) or pitch == 0
 
 
-@pytest.mark.parametrize("warp", PICTURE_WARPS)
+@pytest.mark.parametrize("warp", usable_warps())
 def test_row_0_is_the_top(warp):
     """A red top row stays at the top, and the view that looks at the upper half sees it."""
     colour = np.zeros((12, 16, 3), np.uint8)
@@ -139,7 +134,7 @@ def test_row_0_is_the_top(warp):
 NO_DEPTHS = [0.0, -0.0, -1.0, -np.inf, np.nan]
 
 
-@pytest.mark.parametrize("warp", PICTURE_WARPS)
+@pytest.mark.parametrize("warp", usable_warps())
 def test_pixels_without_depth_are_holes_that_are_counted_and_never_spread(warp):
     rng = np.random.default_rng(9)
     colour, depth = halves(rng, (20, 16)), np.full((16, 20), 3.0)
