@@ -151,10 +151,10 @@ ROOMS = {
     "client": (6500, 6500),
     "cloudlight": (3600, 3600),  # done
     "scenes": (4600, 4600),
-    "poses": (4800, 4500),
-    "pipeline": (3890, 3700),
+    "poses": (4500, 4500),
+    "pipeline": (3700, 3700),
     "link frames": (3100, 3100),
-    "image check": (3502, 3200),
+    "image check": (3314, 3200),
     "gpu geometry headsets": (3100, 3100),
     "report": (4200, 4200),
     "experiments": (3200, 3200),
@@ -164,7 +164,7 @@ ROOMS = {
     "study": (10000, 10000),
     "": (15, 15),  # the modules beside the packages
 }
-TEST_LINES = (58766, 58000)
+TEST_LINES = (58316, 58000)
 DOC_WORDS = (55000, 55000)  # of docs/*.md as `wc -w` counts them
 
 
