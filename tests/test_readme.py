@@ -25,6 +25,7 @@ from study.session.conftest import hurry
 
 ROOT = Path(__file__).resolve().parents[1]
 TOP = (ROOT / "README.md", ROOT / "CONTRIBUTING.md")
+TOPS = (".", "hmdwarp", "shaders", "hmdwarp/client", "tests")  # of paths that pages name
 PAGES = {path.name: path.read_text(encoding="utf-8") for path in (*TOP, *sorted((ROOT / "docs").glob("*.md")))}
 BLOCKS = {
     name: re.findall(r"^```(sh|shell|python)\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
@@ -213,10 +214,10 @@ def test_every_picture_and_page_it_points_to_is_there(page):
 
 @pytest.mark.parametrize("page", PAGES)
 def test_every_file_it_names_is_there(page):
-    """Paths count from the repository, hmdwarp/ or shaders/; mine and NAME are placeholders."""
+    """Paths count from TOPS; mine and NAME are placeholders."""
     for path in re.findall(r"`([\w.-]+/[\w./-]+\.(?:py|comp|glsl|md|toml|csv))`", PAGES[page]):
         if not re.search(r"mine|NAME|^(out|my)", path):
-            assert any((ROOT / top / path).is_file() for top in ("", "hmdwarp", "shaders", "hmdwarp/client")), path
+            assert any((ROOT / top / path).is_file() for top in TOPS), path
 
 
 def _anchors(text: str) -> set[str]:

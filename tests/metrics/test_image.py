@@ -1,7 +1,4 @@
-"""PSNR, SSIM and FLIP.
-
-Known answers, and the mistakes that are easy to make.
-"""
+"""PSNR, SSIM and FLIP. Known answers, and the mistakes that are easy to make."""
 
 import math
 
