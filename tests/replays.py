@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import csv
 import functools
-from collections.abc import Callable
-from contextlib import ExitStack, nullcontext
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, nullcontext
 from pathlib import Path
 from unittest.mock import patch
 
@@ -141,6 +141,20 @@ def seen(options: RunOptions, every: int = 1) -> list[Seen]:
 
     each_refresh(options, look)
     return found
+
+
+@contextmanager
+def set_up(gpu: Gpu, options: RunOptions, **more: object) -> Iterator[ReplayRun]:
+    """A replay that compares with nothing, in a context that others share."""
+    with patch("hmdwarp.run.run.Gpu", lambda: nullcontext(gpu)), set_up_replay(options, alone=True, **more) as setup:
+        yield setup
+
+
+def of_strategy(strategy: str, network: dict[str, object], **more: object) -> RunOptions:
+    """Half a second of a strategy, with nothing but what it sets: no codec, no prediction."""
+    usual = {key: value for key, value in SMALL.items() if key not in ("warp", "fill", "guard")}
+    usual |= {"size": (48, 41), "start_s": 1.0, "out": Path("nowhere")}
+    return RunOptions.of({"strategy": strategy, **network}, **usual | more)
 
 
 def refreshed(setup):

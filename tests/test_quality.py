@@ -25,39 +25,17 @@ EXACT = [name for name in suited() if not warps.get(name).resamples]
 
 
 @pytest.mark.parametrize("warp", EXACT)
-@pytest.mark.parametrize("scene", ["planes", "spheres"])
-def test_without_latency_every_warp_is_perfect(warp, scene, tmp_path):
+def test_without_latency_every_warp_is_perfect(warp, tmp_path):
     """The frame is drawn for the very pose it is shown at, so the same triangles give the same bits
     and nothing is resampled.
     """
-    result = run(tmp_path, **{**WALK, "seconds": 0.5}, scene=scene, warp=warp, latency_ms=0.0)
+    result = run(tmp_path, **{**WALK, "seconds": 0.5}, scene="spheres", warp=warp, latency_ms=0.0)
     assert {row["age_ms"] for row in result.rows} == {0.0}
     assert set(values(result, "psnr_db")) == {PSNR_CAP_DB}
     assert set(values(result, "ssim")) == {1.0}
     assert set(values(result, "flip")) == {0.0}
     assert set(values(result, "hole_share")) == {0.0}
     assert set(values(result, "flicker")) == {0.0}
-
-
-@pytest.mark.parametrize(("warp", "guard"), [*((warp, 1.3) for warp in EXACT), (EXACT[-1], (1.1, 1.4))])
-def test_without_latency_a_guard_changes_only_the_last_bits(warp, guard):
-    """The guarded view's pixel centres are the unguarded one's.
-
-    Its projection differs in the last bits of float32, which moves a textured triangle by
-    millionths of a pixel and, now and then, an edge across a pixel centre.
-    """
-    for eye in seen(small(**{**WALK, "seconds": 0.2}, warp=warp, latency_ms=0.0, guard=guard), every=4):
-        difference = np.abs(srgb_from_linear(eye.shown[..., :3]) - srgb_from_linear(eye.truth[..., :3])).max(axis=-1)
-        assert np.quantile(difference, 0.95) < 8 / 255
-        assert (eye.coverage == 1).all()
-
-
-def test_rotation_beats_nothing_where_the_head_turns(tmp_path):
-    quality = run(tmp_path, trace="look-around", warp="rotation", against="none", guard=1.5, seconds=1.5).summary
-    mine, none = quality["quality"], quality["against"][0]["quality"]
-    assert mine["psnr_db"]["mean"] > none["psnr_db"]["mean"] + 3
-    assert mine["flip"]["mean"] < 0.7 * none["flip"]["mean"]
-    assert mine["ssim"]["mean"] > none["ssim"]["mean"]
 
 
 def squared_errors(**options: object) -> float:

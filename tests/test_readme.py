@@ -192,14 +192,6 @@ def test_the_tables_of_the_front_page_are_those_of_the_results(monkeypatch):
     )
 
 
-@pytest.mark.slow(30)
-def test_make_replay_does_the_main_job(tmp_path):
-    # All of the recording takes minutes; a third of a second of it takes the same way.
-    options = ("SCENE=planes", "SECONDS=0.3", f"OUT={tmp_path / 'out'}", "OPTIONS=--size 96x120 --images 1")
-    run(["make", "-C", str(ROOT), "replay", *options], tmp_path)
-    assert (tmp_path / "out/report.html").is_file()
-
-
 @pytest.mark.parametrize("page", PAGES)
 def test_every_picture_and_page_it_points_to_is_there(page):
     """Pages of docs/ point only to files of docs/, so that their links work in a site as well."""

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 import trimesh
-from recorded_folders import CX, CY, FX, FY, taken, write_npz, write_numbered, write_tum
+from recorded_folders import CX, CY, FX, FY, taken, write_numbered, write_tum
 
 from hmdwarp.sources.sequences import FACTS
 
@@ -48,23 +48,6 @@ def test_plan_tells_how_many_pixels_and_which_field_of_view_result(command):
     assert "1600x900, 1.41 times the pixels, 102.7 x 96.7 degrees" in told
 
 
-SMALL_NETWORK_OPTIONS = (
-    "replay", "look-around", "--scene", "planes", "--headset", "flat-90", "--size", "64x48",
-    "--rate", "30", "--seconds", "0.3",
-)  # fmt: skip
-QUICK = (*SMALL_NETWORK_OPTIONS, "--metrics-every", "9", "--images", "0", "--against", "", "--quiet", "--workers", "0")
-
-
-def test_a_delay_trace_is_followed(command, tmp_path):
-    """Delays of 40 ms: at 30 Hz a frame is seen two refreshes after it was drawn."""
-    path = tmp_path / "delays.csv"
-    path.write_text("# recorded on a table\ndelay_ms\n40\n40\n", encoding="utf-8")
-    command(*QUICK, "--out", tmp_path / "out", "--delay-trace", path).done()
-    rows = (tmp_path / "out" / "frames.csv").read_text(encoding="utf-8").splitlines()
-    column = rows[0].split(",").index("age_ms")
-    assert {round(float(row.split(",")[column]), 1) for row in rows[1:]} == {66.7}
-
-
 @pytest.fixture
 def scene(tmp_path):
     """A room whose middle is at (104, 51.5, 203)."""
@@ -86,17 +69,6 @@ def test_plan_tells_what_was_noticed(command, scene):
         ("--animation", "run", "animation 'run': the file has no animations; expected none"),
     ):
         command("plan", "--scene", scene, option, wrong).refused(message)
-
-
-def test_the_command_replays_a_folder(command, tmp_path):
-    folder = tmp_path / "taken"
-    folder.mkdir()
-    write_npz(folder, taken(6))
-    said = ("--latency", 100, "--metrics-every", 3, "--workers", 0, "--images", 0, "--out", tmp_path / "out")
-    done = command("replay", "--frames", folder, *said).done()
-    assert "One eye is shown" in done.out and "PSNR" in done.out
-    command("replay", "--out", tmp_path / "other").refused("no TRACE")
-    command("replay", "--frames", tmp_path / "nowhere", "--out", tmp_path / "other").refused("no such file or folder")
 
 
 def test_what_is_assumed_of_frames_is_printed_and_kept(command, tmp_path):

@@ -1,5 +1,5 @@
 """Light that is late on the client, beside direct light of now: an atlas of irradiance, whole at
-each update, and photons, splatted and kept whatever the link does.
+each update, and photons, splatted and kept.
 """
 
 from __future__ import annotations
@@ -9,18 +9,14 @@ import pytest
 from client_scene import ClientScene
 from golden_pictures import assert_golden, sheet
 from lit_rooms import cube, plain, scene_of
-from made import counting_made
-from replays import run
 from worlds import read, shown_by
 
-from hmdwarp.client import PassInputs, parse_warp
+from hmdwarp.client import PassInputs
 from hmdwarp.client.warps import Output
 from hmdwarp.cloudlight.photons import CUBE_BYTES, KeptPhotons, PhotonMap
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import COLOUR, Canvas, allocate
-from hmdwarp.link import LinkOptions
-from hmdwarp.link.codec import Coding
+from hmdwarp.gpu import COLOUR, allocate
 from hmdwarp.scenes import ATLAS, Lamp, Still, load_scene, scenes, with_lamps_stopped
 from hmdwarp.sources.server import Server
 
@@ -128,35 +124,6 @@ def test_a_door_that_moves_makes_all_photons_stale(gpu):
     assert one == other
 
 
-def test_lost_photons_are_sent_again_and_still_light_once(gpu):
-    """Every third frame is lost. Afterwards nothing is left to send, as long as no light moves."""
-    scene = with_lamps_stopped(load_scene("lantern"))
-    whole, torn = ClientScene(gpu, scene), ClientScene(gpu, scene)
-    wanted = PhotonMap(budget=4000, paths=1024)
-    receive(whole, frames_of(whole, 0, wanted), wanted)
-    receive(torn, frames_of(torn, 0, wanted, lambda number: number % 3 != 1), wanted)
-    spec = "photons:budget=4000,paths=1024"
-    assert np.array_equal(shown(gpu, whole, 0, spec)[0], shown(gpu, torn, 0, spec)[0])
-    for geometry in (whole, torn):
-        (last,) = frames_of(geometry, 1_000_000_000, wanted)
-        assert len(last) == CUBE_BYTES, "no bundle"
-
-
-def test_showing_and_receiving_make_nothing_on_the_gpu(gpu):
-    with counting_made() as made:
-        geometry, choice = ClientScene(gpu, "lantern"), parse_warp(SPEC)
-        warp, canvas = choice.entry(gpu, SIZE, SIZE, choice.settings, Output(), geometry), Canvas(gpu.gl, SIZE)
-        counts = []
-        for time_ms in (0, 300, 600):
-            receive(geometry, frames_of(geometry, time_ms * 1_000_000))
-            frame = geometry.server.draw_frame([HERE], 0, (8, 8))
-            warp.run(PassInputs(frame.eyes[0], THERE, shown_ns=time_ms * 1_000_000), canvas)
-            geometry.server.recycle(frame)
-            counts.append(made.copy())
-        warp.close()
-    assert counts[0]["texture"] and counts[1] == counts[2]
-
-
 # --- irradiance ---
 
 LIT = [name for name in scenes.names() if scenes.get(name).build().lamps]
@@ -191,34 +158,3 @@ def test_each_update_is_whole_so_that_a_lost_one_is_no_matter(gpu):
         for each in (frames, frames[::-1])
     )
     assert all(np.array_equal(a, b) for a, b in zip(in_order, turned_round[::-1], strict=True))
-
-
-BAD = LinkOptions.of({"loss": "0.2", "jitter": "uniform:20", "link_seed": 4})
-ATLAS_ALONE = {"scene": "lantern", "warp": "irradiance", "latency_ms": 100.0}
-PHOTONS_ALONE = {"scene": "lantern", "warp": SPEC, "latency_ms": 50.0, "seconds": 0.3}
-POINTS_ALONE = {
-    "scene": "planes", "warp": "points:budget=400000", "fill": "pyramid", "latency_ms": 50.0, "seconds": 0.5,
-}  # fmt: skip
-REPLAYS = {
-    "irradiance": ATLAS_ALONE, "irradiance coded": {**ATLAS_ALONE, "coding": Coding("h264")},
-    "photons": PHOTONS_ALONE, "photons lost": {**PHOTONS_ALONE, "network": BAD},
-    "points": POINTS_ALONE, "points lost": {**POINTS_ALONE, "network": BAD},
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("case", REPLAYS)
-def test_a_replay_sends_light_alone(tmp_path, case):
-    """Coded, the atlas errs by a code's error; colour and depth cross in no case."""
-    name = case.split()[0]
-    summary = run(tmp_path, **REPLAYS[case]).summary
-    assert set(summary["link"]["layers_mbit_s"]) == {name}
-    if name == "irradiance":
-        assert summary["quality"]["psnr_db"]["mean"] > 35
-        assert "coded" in case or summary["link"]["frame_bytes"] == 8 * 64 * 64, "once a frame, not once an eye"
-        return
-    kept = summary["client_models"][-1]
-    assert kept["first_picture_bytes"] and kept["first_picture_bytes"] <= kept["arrived_bytes"]
-    if name == "photons":
-        assert summary["quality"]["psnr_db"]["mean"] > 20 and 0 < kept["photons"] <= 2048
-    else:  # which stop once all have arrived
-        assert kept["points"] > 1000 and kept["arrived_bytes"] < 9 * 1.3 * kept["points"] + 20 * 60

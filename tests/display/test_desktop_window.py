@@ -103,16 +103,6 @@ def test_keys_change_what_the_title_tells(live):
     live.titled("spheres - forward + ", "age ")
 
 
-def test_the_help_is_laid_over_the_left_eye_and_taken_away(live):
-    before = live.picture()
-    for closes in ("h", "Escape"):  # which ends nothing then
-        live.press("h")
-        shown = live.shows(lambda p: (halves(p)[0].min(axis=-1) > 200).mean() > 0.02, "white letters")
-        assert apart(halves(shown)[1], halves(before)[1]) < NOISE
-        live.press(closes)
-        live.shows(lambda p: apart(p, before) < NOISE, "no help")
-
-
 def test_flat_view_and_resizing_keep_the_shape_in_black(live):
     live.press("v")
     flat = live.shows(flat_view, "one flat view")

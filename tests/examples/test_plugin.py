@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
@@ -30,12 +29,6 @@ def path(tmp_path_factory) -> str:
     (wheel,) = place.glob("*.whl")
     python("-m", "pip", "install", "--quiet", "--no-index", "--no-deps", "--target", place / "site", wheel)
     return os.pathsep.join([str(place / "site"), str(ROOT)])
-
-
-def test_its_warp_is_listed(path):
-    listed = json.loads(python("-m", "hmdwarp", "list", "warps", "--json", PYTHONPATH=path))
-    (entry,) = [entry for entry in listed if entry["name"] == "yaw_only"]
-    assert entry["summary"].startswith("turns the picture to left and right")
 
 
 def test_its_warp_turns_the_picture_as_rotation_does_where_the_head_only_yaws(path):

@@ -16,17 +16,8 @@ from hmdwarp.poses import load_trace
 from hmdwarp.report import validate_summary
 
 from .live_runs import Here, Program, quick
-from .monado import UNSEEN, WOBBLING
 
 pytestmark = pytest.mark.usefixtures("no_screen")
-
-
-def test_a_run_whose_service_is_not_started_says_so(runtime, tmp_path):
-    runtime(WOBBLING, UNSEEN)
-    with Program(tmp_path) as program:
-        status, told = program.ended()
-    assert status == 3 and "service does not answer" in told and "Traceback" not in told
-    assert not program.recording.exists()
 
 
 ENDS = {  # what it is started with, how it may end, what it says

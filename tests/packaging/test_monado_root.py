@@ -47,13 +47,6 @@ def test_without_rights_the_tests_are_skipped_with_the_reason(folder):
     assert not folder.exists()
 
 
-def test_without_apt(monkeypatch, folder):
-    monkeypatch.setattr(root.os, "geteuid", lambda: 0)
-    monkeypatch.setattr(root.shutil, "which", lambda name: None)
-    with pytest.raises(root.Lacking, match="there is no apt-get here"):
-        root.ready_root()
-
-
 def test_where_root_may_not_mount(monkeypatch, folder, tmp_path):
     stand_in(monkeypatch, tmp_path, "unshare", "echo 'unshare: unshare failed: Operation not permitted' >&2; exit 1")
     stand_in(monkeypatch, tmp_path, "apt-get", "exit 0")
@@ -104,38 +97,6 @@ def lacking() -> str:
     with pytest.raises(root.Lacking) as error:
         root.ready_root()
     return str(error.value)
-
-
-def test_the_recipe_is_the_pins(monkeypatch):
-    pins = root._pins()
-    assert all("==" in pin for pin in pins)
-    names = {pin.partition("==")[0].lower() for pin in pins}
-    assert {"pyopenxr", "moderngl", "numpy", "pytest"} <= names
-    assert not any("opencv" in name for name in names)
-    before = root.recipe()
-    monkeypatch.setattr(root, "_pins", lambda: [*pins, "another==1.0"])
-    assert root.recipe() != before
-
-
-def test_old_roots_go(folder, monkeypatch, allowed):
-    folder.mkdir()
-    for name, age_s in (("root-old", 2 * root.STALE_S), ("root-new", 60)):
-        (folder / name).mkdir()
-        (folder / name / "file").touch()
-        os.utime(folder / name, (time.time() - age_s,) * 2)
-    monkeypatch.setattr(root, "_build", lambda place: place.mkdir())
-    root.ready_root()
-    assert not (folder / "root-old").exists()
-    assert (folder / "root-new" / "file").exists()
-
-
-def test_the_cache_folder(monkeypatch, tmp_path):
-    monkeypatch.delenv("HMDWARP_MONADO_ROOT", raising=False)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert root._folder() == tmp_path / "hmdwarp" / "monado"
-    monkeypatch.setenv("XDG_CACHE_HOME", "relative, which the specification ignores")
-    monkeypatch.setenv("HOME", str(tmp_path))
-    assert root._folder() == tmp_path / ".cache" / "hmdwarp" / "monado"
 
 
 def stand_in(monkeypatch, tmp_path: Path, name: str, script: str) -> None:

@@ -61,10 +61,14 @@ def test_next_to_the_server_it_changes_no_bit(warp):
     assert same(pictures(**proxied(50.0, 0.0, warp=warp, guard=1.0)), as_drawn())
 
 
-@pytest.mark.parametrize(("warp", "fill"), [("iterative", "memory+pyramid"), ("multi", "none")])
-def test_next_to_the_client_it_shows_what_the_client_would_have_made(warp, fill):
-    alone = pictures(warp=warp, fill=fill, guard=1.5, latency_ms=100.0)
-    assert same(pictures(**proxied(0.0, 100.0, warp=warp, fill=fill)), alone)
+@pytest.mark.parametrize(
+    ("warp", "fill", "scene"),
+    [("iterative", "memory+pyramid", "room"), ("multi", "none", "room"), ("iterative", "pyramid", "workshop")],
+)
+def test_next_to_the_client_it_shows_what_the_client_would_have_made(warp, fill, scene):
+    """With the effects that a scene calls for."""
+    alone = pictures(warp=warp, fill=fill, scene=scene, guard=1.5, latency_ms=100.0)
+    assert same(pictures(**proxied(0.0, 100.0, warp=warp, fill=fill), scene=scene), alone)
 
 
 def test_what_it_sends_is_drawn_for_the_clients_eyes_at_the_instant_of_the_request():

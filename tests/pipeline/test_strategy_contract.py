@@ -5,15 +5,12 @@ still as it was at that instant, so that no clock of the renderer's is trusted."
 from __future__ import annotations
 
 from collections import Counter
-from contextlib import contextmanager, nullcontext
-from pathlib import Path
-from unittest.mock import patch
 
 import attrs
 import numpy as np
 import pytest
 from lit_rooms import moving_room, placed
-from replays import CHEAPER, SMALL
+from replays import CHEAPER, of_strategy, set_up
 
 from hmdwarp.base import srgb_from_linear
 from hmdwarp.client import ShownPicture, WholeScene
@@ -22,12 +19,11 @@ from hmdwarp.frames import Needs
 from hmdwarp.geometry import Pose, RigidState
 from hmdwarp.gpu import SCALAR, Canvas, allocate, download
 from hmdwarp.pipeline import source_of
-from hmdwarp.run import RunOptions, set_up_replay
 from hmdwarp.scenes import Body, Panel, Still, indirect_atlas
 from hmdwarp.sources.server import Server
 
 APPEARS_NS = 950_000_000  # between the frame that is looked at and the instant that shows it
-SIZE, RATE_HZ, SECONDS, MS = (48, 41), 30.0, 0.5, 1_000_000
+SIZE, RATE_HZ, MS = (48, 41), 30.0, 1_000_000
 LATENCY_MS, JITTER_MS, LOSS, MBIT, QUEUE_MS, SEED = 100.0, 90.0, 0.2, 12.0, 20.0, 4
 NETWORK = {
     "jitter": f"uniform:{JITTER_MS:g}", "loss": str(LOSS), "bandwidth": str(MBIT), "queue": QUEUE_MS, "link_seed": SEED,
@@ -68,21 +64,10 @@ def crowded_room():
     return attrs.evolve(room, meshes=[*room.meshes, *boxes], bodies=bodies, panels=panels)
 
 
-@contextmanager
 def flying(gpu, name: str, scene, network=NETWORK):
-    """Set a strategy's run up in that scene: no codec, no prediction, no guard band."""
-    usual = {key: value for key, value in SMALL.items() if key not in ("warp", "fill", "guard")}
-    more = {
-        "size": SIZE, "latency_ms": LATENCY_MS, "seconds": SECONDS, "out": Path("nowhere"), "guard": 1.0,
-        "start_s": 1.0, "samples": 1, "rate_hz": RATE_HZ,
-    }  # fmt: skip
-    options = RunOptions.of({"strategy": CHEAP.get(name, name), **network}, **usual | more)
-    source = type(source_of(options))(options, scene)
-    with (
-        patch("hmdwarp.run.run.Gpu", lambda: nullcontext(gpu)),
-        set_up_replay(options, source=source, alone=True) as setup,
-    ):
-        yield setup
+    """Set a strategy's run up in that scene, without a guard band."""
+    options = of_strategy(CHEAP.get(name, name), network, rate_hz=RATE_HZ, latency_ms=LATENCY_MS, guard=1.0)
+    return set_up(gpu, options, source=type(source_of(options))(options, scene))
 
 
 def bytes_of(name: str, frame, reads: set[str]) -> Counter[str]:

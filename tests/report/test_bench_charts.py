@@ -3,19 +3,17 @@
 Every warp has a number and its name in the key, its look never changes, and any data can be drawn.
 """
 
-import io
 import itertools
 import re
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from PIL import Image
 from skimage.color import deltaE_ciede2000, rgb2lab
 
 from hmdwarp.base import linear_from_srgb, srgb_from_linear
 from hmdwarp.metrics import aggregate
-from hmdwarp.report import Look, Series, canvas, css_variables, draw_numbers, paper_bytes, time_series
+from hmdwarp.report import Look, Series, canvas, css_variables, draw_numbers, time_series
 from hmdwarp.report.bench.page import looks_of, pareto_chart, pareto_text
 from hmdwarp.report.bench.rows import cases, row_name
 
@@ -197,12 +195,3 @@ def test_numbers_stand_beside_their_points_and_apart():
         assert all(np.hypot(*text.get_position()) < 24 for text in axes.texts)
         assert [text.get_text() for text in axes.texts] == [str(number) for number in range(1, 41)]
         assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))
-
-
-@pytest.mark.parametrize("width_in", [3.35, 7.0])
-def test_a_chart_for_a_column_of_a_paper_is_a_picture_on_white(width_in):
-    (case,) = cases([*some_rows(traces=("walk",), latencies=(200.0,)), a_row(NASTY, trace="walk")])
-    with Image.open(io.BytesIO(paper_bytes(pareto_chart(case), "png", width_in))) as image:
-        picture = np.asarray(image.convert("RGB"))
-    assert picture.shape[1] == pytest.approx(200 * width_in, abs=1) and (picture[0] == 255).all()
-    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 50

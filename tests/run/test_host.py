@@ -151,10 +151,7 @@ def test_changes_that_need_other_frames_restart_the_pipeline(gpu, values):
 
 IMPOSSIBLE = [
     {"warp": "fward"},
-    {"fill": "intrpolate"},
     {"scene": "roon"},
-    {"effects": "mirors"},
-    {"lens": "cubic"},
     {"guard": 400.0},
     {"guard": 400.0, "view": "flat"},
     {"latency_ms": math.inf},

@@ -64,16 +64,6 @@ def run(folder, tmp_path, gpu):
     return call
 
 
-def test_without_latency_the_frame_is_the_truth(run):
-    """Every frame is shown at its own instant, for its own pose: nothing is left to warp."""
-    result = run(latency=0.0, warp="none", fill="none")
-    assert result.summary["frames"] == COUNT
-    assert result.summary["quality"]["psnr_db"]["mean"] == 100  # identical pictures
-    assert result.summary["truth_offset"] == {
-        name: {"median": 0.0, "most": 0.0} for name in ("time_ms", "turn_deg", "move_m")
-    }
-
-
 def test_a_late_frame_is_the_one_taken_then_with_its_exact_pose(run, tmp_path):
     result = run(images=2, against="none", video=True)
     frames, rows = taken(COUNT, SIZE), rows_of(tmp_path / "out")
@@ -295,6 +285,8 @@ def wall(tmp_path_factory):
 def test_a_guard_shows_the_middle_of_what_was_recorded(run, folder, guard, shown):
     """Without latency each frame is shown for its own view: its middle pixels are the truth's."""
     summary = run(folder, latency=0.0, warp="none", guard=guard).summary
+    assert summary["frames"] == COUNT
+    assert [*summary["truth_offset"].values()] == [{"median": 0.0, "most": 0.0}] * 3  # time, turn and place
     assert summary["size"] == shown and summary["rendered"]["size"] == list(SIZE)
     assert summary["quality"]["psnr_db"]["mean"] == 100  # identical pictures
     assert f"the rest is a guard band of {guard}" in summary["notes"][0]

@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from made import counting_made
-from poses.traces import save
 from replays import contents, rows_of, run, small, suited
 
 from hmdwarp.base import HmdwarpError, InputError, __version__
@@ -163,21 +162,6 @@ def test_a_guard_of_one_axis_takes_the_border_away_where_the_head_turns(tmp_path
     assert wider["rendered"]["fov_deg"] == pytest.approx(degrees, abs=0.01)
 
 
-def test_prediction_helps_where_the_head_moves_steadily(tmp_path):
-    """At 50 ms, within the horizon, the predicted pose leaves less to warp away.
-
-    Fewer holes at the border.
-    """
-    wanted = {"trace": "reversals", "latency_ms": 50.0, "warp": "rotation", "start_s": 2.0, "seconds": 2.0}
-    plain = run(tmp_path / "a", **wanted).summary
-    ahead = run(tmp_path / "b", predict="constant_velocity", **wanted).summary
-    none_ahead = run(tmp_path / "c", predict="constant_velocity", horizon_ms=0.0, **wanted).summary
-    assert ahead["predict"] == "constant_velocity"
-    assert ahead["quality"]["hole_share"]["mean"] < 0.6 * plain["quality"]["hole_share"]["mean"]
-    # The last sample known is up to one sample older than the head at that instant.
-    assert none_ahead["quality"]["hole_share"]["mean"] >= plain["quality"]["hole_share"]["mean"]
-
-
 def test_against_compares_with_another_warp(tmp_path):
     result = run(tmp_path / "a", warp="rotation", against="none,forward+interpolate", metrics_every=3)
     pairs = [("none", "none"), ("forward", "interpolate")]
@@ -238,31 +222,16 @@ def test_trace_options_reach_the_reader(tmp_path):
 
 
 def test_a_long_run_takes_no_more_than_a_short_one(tmp_path):
-    """60 s against 2 s: as many textures and buffers ever made, as many frames ever held."""
-    from hmdwarp.poses import synthesise
-    from hmdwarp.run import replay
-
-    path = tmp_path / "long.csv"
-    save(synthesise("look-around", seed=5, seconds=61), path, "native")
+    """10 s against 2 s: as many textures and buffers ever made; test_refreshes.py counts frames."""
     # The first run of a process makes what is probed once, such as what GPU timers tell.
-    replay(small(tmp_path / "first", seconds=0.1, size=(16, 12)))
-    counts, held = [], []
-    for seconds in (2.0, 60.0):
+    run(tmp_path / "first", seconds=0.1, size=(16, 12))
+    counts = []
+    for seconds in (2.0, 10.0):
+        asked = {"trace": "walk", "seconds": seconds, "size": (16, 12), "rate_hz": 20.0, "metrics_every": 10}
         with counting_made() as made:
-            asked = {"trace": str(path), "seconds": seconds, "size": (16, 12), "rate_hz": 20.0, "metrics_every": 50}
-            assert replay(small(tmp_path / "out", **asked)).summary["frames"] == 20 * seconds
-            counts.append(dict(made))
-        with set_up_replay(small(**asked)) as setup:
-            most = 0
-            for number, instant_ns in setup.schedule.numbered():
-                setup.loop.draw(instant_ns)
-                if number >= 0:
-                    setup.loop.show(instant_ns)
-                most = max(most, len(setup.channel.link))
-            held.append((most, setup.server.pool(setup.sizes.shown).made))
+            assert run(tmp_path / "out", **asked).summary["frames"] == 20 * seconds
+        counts.append(dict(made))
     assert counts[0] == counts[1]
-    # 200 ms at 20 Hz: 4 under way, 1 shown; 1 more, being drawn, has textures; 2 eyes.
-    assert held == [(5, 12), (5, 12)]
 
 
 def test_failing_in_the_middle_leaves_the_earlier_results(tmp_path, monkeypatch):

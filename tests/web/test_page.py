@@ -50,13 +50,13 @@ def page(address):
 def test_a_walk_200_ms_late_is_near_the_truth(page, gpu, record_property):
     """As a replay measures it: PSNR of all pixels, of frames that were coded.
 
-    The mean of 7 refreshes of three seconds, at the quality that the page asks for by itself.
+    The mean of 4 refreshes of two seconds, at the quality that the page asks for by itself.
     """
     browser = page("trace=walk&latency=200&warp=iterative&size=480&crf=18", (480, 300), CLOCK)
     browser.does("(async () => { while (!hmdwarp.session.shown) await stepped(1); })()")
     found, ages = [], []
     with Own(gpu, SAMPLES) as own:
-        for _ in range(7):
+        for _ in range(4):
             looked = look_after(browser, 24)
             off = pictures_of(looked)[0].astype(float) - own.truth(looked)
             found.append(20 * np.log10(255) - 10 * np.log10(np.mean(off**2)))

@@ -1,6 +1,6 @@
 """Whole benches, small and real.
 
-What they write, that their figures are a replay's, that nothing but times changes.
+What they write, that their figures are a replay's, that nothing but times changes, what is kept.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ import attrs
 import pytest
 from replays import contents, run
 
+from hmdwarp.base import folder
 from hmdwarp.experiments.bench import BenchOptions, bench, read
 from hmdwarp.experiments.bench.bench_run import NAMES
+from hmdwarp.experiments.sweep import KeptOptions
 from hmdwarp.link import LinkOptions
 from hmdwarp.metrics import QUALITY, STAGES
 from hmdwarp.report import validate_summary
 from hmdwarp.report.bench.crops import unpacked
-
-from .test_bench_cases import untimed
 
 SMALL = BenchOptions(
     warps=("forward", "rotation", "backward"), fills=("none", "interpolate"), latencies_ms=(100.0, 200.0),
@@ -28,10 +28,18 @@ SMALL = BenchOptions(
     samples=1,  # a guarded frame has another raster, and so other mixtures at edges than the truth
     instants=2, rounds=2, workers=0, command="hmdwarp bench",
 )  # fmt: skip
+TINY = BenchOptions(
+    warps=("rotation",), fills=("none",), latencies_ms=(50.0, 100.0), scenes=("planes",), sizes=((48, 40),),
+    headset="rift-dk1", rate_hz=60.0, seconds=0.3, guard=1.1, instants=1, rounds=1, workers=0,
+)  # fmt: skip
 KEYS = {
     *("schema", "hmdwarp", "program", "notes", "command", "machine", "clock", "clocks", "client"),
     *("rows", "winners", "seconds"),
 }
+
+
+def untimed(rows: list[dict]) -> list[dict]:
+    return [{key: value for key, value in row.items() if key != "time_ms"} for row in rows]
 
 
 @pytest.fixture(scope="module")
@@ -152,3 +160,19 @@ def test_servers_of_other_rates_are_cases_of_their_own_with_the_errors_of_their_
     for number, value in rows[1]["at_instants"]["flip"].items():
         beside = [row["flip"] for row in replayed if row["frame"] == int(number)]
         assert any(value == pytest.approx(other, abs=1e-6) for other in beside), "one of the two eyes"
+
+
+def test_a_case_is_identified_by_content(tmp_path):
+    """The content of a trace counts, not its place; who runs it and where it goes do not."""
+    first, moved = tmp_path / "first.csv", tmp_path / "there" / "first.csv"
+    first.write_bytes((folder("recordings") / "look-around.csv").read_bytes())
+    options = attrs.evolve(TINY, recordings=(str(first),), latencies_ms=(50.0,), out=tmp_path / "out")
+    assert bench(options).swept.known == 0
+    moved.parent.mkdir()
+    first.rename(moved)
+    resumes = {"command": "hmdwarp bench", "workers": 1, "sweep": KeptOptions(resume=True)}
+    same = attrs.evolve(options, recordings=(str(moved),), **resumes)
+    assert bench(same).swept.known == 1
+    moved.write_bytes(moved.read_bytes() + b"\n")
+    assert bench(same).swept.known == 0
+    assert bench(attrs.evolve(same, instants=2)).swept.known == 0

@@ -19,7 +19,7 @@ from hmdwarp.experiments.bench.bench_run import NAMES
 from hmdwarp.metrics import BOUND, block_means, blocks_apart, blocks_text
 from hmdwarp.report.bench.rows import COLUMNS, cases
 
-from .test_bench_cases import TINY, untimed
+from .test_bench import TINY, untimed
 
 
 @pytest.fixture(scope="module")

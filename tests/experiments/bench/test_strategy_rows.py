@@ -21,7 +21,7 @@ from hmdwarp.run import RunOptions
 from hmdwarp.run.measuring import batches
 from hmdwarp.scenes import load_scene
 
-from .test_bench_cases import TINY
+from .test_bench import TINY
 
 NAMES = [CHEAPER.get(name, name) for name in strategies.names()]
 LATENCY_MS = 100.0

@@ -21,7 +21,7 @@ from hmdwarp.base import InputError
 from hmdwarp.client import build_plan
 from hmdwarp.client.classes import client_names, load_client
 from hmdwarp.client.strategies import strategies
-from hmdwarp.experiments.bench import CompareOptions, compare
+from hmdwarp.experiments.bench import CompareOptions
 from hmdwarp.experiments.bench.compare_run import client_bytes, decoded_mpx_s, start_bytes, unfit
 from hmdwarp.experiments.bench.suite_means import compared_entry, over_all
 from hmdwarp.experiments.bench.suites import suites
@@ -192,29 +192,6 @@ def test_a_suite_says_scenes_people_and_links_and_foresees_no_motion_unless_aske
         assert lived == {(rate, loss) for rate in (10, 25, 50, 100) for loss in (0.0, 0.01)}
         assert options.latencies_ms == (50, 100, 200, 400, 800) and options.strategies == ()
         assert len(options.recordings) * options.seconds >= 30
-
-
-def test_a_suite_is_run_over_its_scenes_and_links_and_says_its_cost_first(tmp_path):
-    said = []
-    options = attrs.evolve(
-        CompareOptions.of({"suite": "quick", "workers": 0}, out=tmp_path / "out"),
-        recordings=("mmsys18-1",), size=(32, 24), samples=1, seconds=0.05, strategies=("rotation", "imposter"),
-    )  # fmt: skip
-    result = compare(options, say=said.append)
-    assert said[0].startswith("suite quick 3: 6 runs, 0.0 min of motion")
-    rows = list(result.data["rows"])
-    assert [(row["scene"], row["strategy"]) for row in rows] == [
-        (scene, name) for scene in ("room", "spheres", "workshop") for name in options.strategies
-    ]
-    assert {row["over"] for row in rows} == {"25 Mbit/s, 1 % lost"}
-    means = {entry["strategy"]: entry for entry in result.data["suite"]["over_all"]}
-    for name, entry in means.items():
-        values = [row["quality"]["flip"]["mean"] for row in rows if row["strategy"] == name]
-        assert entry["flip"]["mean"] == pytest.approx(sum(values) / 3) and entry["scenes"] == 3
-    page = (tmp_path / "out" / "compare.html").read_text(encoding="utf-8")
-    measured = "2 pictures measured, of 1 recorded head in 3 scenes; what moves is known to the client by the newest"
-    for text in ("Suite quick 3", "rotation, 25 Mbit/s, 1 % lost", "workshop", measured):
-        assert text in page
 
 
 def test_means_of_a_suite_are_those_of_a_bench_link_by_link():

@@ -31,7 +31,7 @@ def test_each_case_is_run_once_and_kept(tmp_path):
     assert sweep(tmp_path, 20).known == 0 and ran(tmp_path) == Counter([*range(20)] * 2)  # without --resume
 
 
-def test_resuming_runs_only_the_cases_that_failed(tmp_path):
+def test_resuming_runs_only_the_cases_that_failed_or_are_damaged(tmp_path):
     first = sweep(tmp_path, 20, "wrong")
     assert [failure.why for failure in first.failed] == ["13 is no number for this"]
     with pytest.raises(InputError, match="1 of 20 cases failed: number 13: 13 is no number"):
@@ -39,6 +39,8 @@ def test_resuming_runs_only_the_cases_that_failed(tmp_path):
     again = sweep(tmp_path, 20, "wrong", resume=True)
     assert (again.known, len(again.failed)) == (19, 1)
     assert ran(tmp_path) == Counter(range(20)) + Counter([13])
+    min((tmp_path / "cases").glob("*.json")).write_text("{}", encoding="utf-8")  # one that was kept, and is damaged
+    assert sweep(tmp_path, 20, "wrong", resume=True).known == 18
 
 
 @pytest.mark.parametrize("text", ["local", "local:0", "local:x", "somewhere", "tcp://host", "host:port"])

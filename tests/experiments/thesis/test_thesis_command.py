@@ -1,10 +1,9 @@
-"""`hmdwarp thesis`: files, resuming, and refusals."""
+"""`hmdwarp thesis`: verdicts, runs that fail, and refusals."""
 
 from __future__ import annotations
 
 import json
 from functools import partial
-from pathlib import Path
 
 import attrs
 import pytest
@@ -18,11 +17,6 @@ from hmdwarp.experiments.thesis.thesis_run import cases_of, thesis_work
 from hmdwarp.study.analysis.full_analysis import published_ratings
 
 EXPERIMENTS = experiments()
-FEW = "scene,fig28-30,ratings-figures"
-
-
-def kept(out: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in (out / "cases").glob("*.json")}
 
 
 @pytest.mark.slow(40)
@@ -48,19 +42,6 @@ def test_quick_gives_every_experiment_its_verdict(tmp_path, monkeypatch):
     assert len(table) == 6 + sum(one["verdict"] not in named for one in data["experiments"])
 
 
-def test_a_run_that_is_damaged_or_of_another_size_is_run_again(tmp_path):
-    words = ("thesis", "--only", FEW, "--resume", "--out", tmp_path)
-    first = hmdwarp(*words, "--quick")
-    before = kept(tmp_path)
-    sorted((tmp_path / "cases").glob("*.json"))[0].write_text("{}", encoding="utf-8")
-    again = hmdwarp(*words, "--quick")
-    assert f"{len(before) - 1} of {len(before)} cases are kept" in again.stderr
-    assert again.stdout == first.stdout
-    assert kept(tmp_path) == before
-    larger = hmdwarp("thesis", "--only", "fig28-30", "--size", "48x30", "--resume", "--out", tmp_path)
-    assert larger.returncode == 0 and "are kept" not in larger.stderr
-
-
 def _runs(*fills: str) -> tuple[PictureRun, ...]:
     motion = Motion("sideways", 0.5)
     return tuple(PictureRun(motion=motion, latency_ms=200.0, fill=fill, scene="planes") for fill in fills)
@@ -77,20 +58,6 @@ def test_a_run_that_fails_leaves_those_on_the_same_frames(tmp_path):
     assert [case.what.run.fill for case, _ in swept.results()] == ["none", "interpolate"]
     assert ["nonsense" in failure.why for failure in swept.failed] == [True]
     assert [*ran("alone", runs[2:]).results()] == [*swept.results()][1:]
-
-
-@pytest.mark.slow(10)
-def test_a_cluster_gives_what_one_process_gives(tmp_path):
-    pytest.importorskip("distributed")
-    runs = _runs("none", "interpolate")
-    cases = cases_of(runs, set(runs[:1]), Thoroughness((48, 30), 1, 1))
-    here, there = (
-        run_cases(partial(thesis_work, runs, published_ratings), cases, tmp_path / name, KeptOptions(cluster=cluster))
-        for name, cluster in (("here", None), ("there", "local:1"))
-    )
-    assert not there.failed and [*there.results()] == [*here.results()]
-    names = [{path.name for path in (tmp_path / name / "cases").iterdir()} for name in ("here", "there")]
-    assert names[0] == names[1] and len(names[0]) == 4  # one of them with two pictures
 
 
 @pytest.mark.parametrize(
