@@ -5,27 +5,52 @@ from __future__ import annotations
 import gc
 import math
 import tracemalloc
+from collections.abc import Callable
 
 import moderngl
 import numpy as np
 import pytest
-from heads import Eyes, Head
 from replays import CHEAPER, scene_for
 
 from hmdwarp.base import picture_from_linear
 from hmdwarp.client import build_plan
 from hmdwarp.client.strategies import strategies
 from hmdwarp.frames import Needs
-from hmdwarp.geometry import Fov, Pose
+from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Lap, download
 from hmdwarp.headsets import load_headset
 from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target, build_plan_for, plans_for, source_of
+from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import Run
 from hmdwarp.scenes import load_scene
 
 SIZE = (64, 80)
 STEP_NS = 10_000_000
 PAIR = ("forward", "pyramid")
+
+
+class Head:
+    """A source of poses that follows a function of time in ns."""
+
+    def __init__(self, pose_at: Callable[[int], Pose]) -> None:
+        self._pose_at = pose_at
+
+    def start(self) -> None: ...
+
+    def close(self) -> None: ...
+
+    def head_at(self, time_ns: int) -> PoseSample:
+        return PoseSample(time_ns, self._pose_at(time_ns), Origin.MEASURED)
+
+
+class Eyes:
+    """Eyes at places in the head, each with a field of view."""
+
+    def __init__(self, *eyes: tuple[Pose, Fov]) -> None:
+        self._eyes = eyes
+
+    def views(self, world_from_head: Pose) -> tuple[View, ...]:
+        return tuple(View(world_from_head @ eye, fov, eye) for eye, fov in self._eyes)
 
 
 # Of a headset that is no mirror image of itself: guard bands differ by a few pixels.

@@ -63,22 +63,6 @@ def test_each_picture_crosses_once_and_when_it_changes(serve, scene):
     assert page < sent[2] < 1.1 * page
 
 
-def test_a_budget_spreads_pictures_over_frames(gpu, serve, scene):
-    server, client = serve(scene), ClientScene(gpu, scene)
-    kept = client.store(KeptPanels, PanelDelivery(2000))
-    held = []
-    for frame in frames(server, range(0, SECOND, SECOND // 10), 2000):
-        assert bytes_of(frame) <= 2000 + 14
-        client.receive(frame)
-        held.append(len(kept.held))
-    assert held == sorted(held)
-    assert held[0] == 0
-    assert held[-1] == 2
-    assert not server.has_more(SECOND // 2)
-    assert server.has_more(SECOND)
-    client.close()
-
-
 def test_what_was_lost_is_sent_again_and_the_page_before_stays_until_then(gpu, serve, scene):
     server, client = serve(scene), ClientScene(gpu, scene)
     kept = client.store(KeptPanels, PanelDelivery())
