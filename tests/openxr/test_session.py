@@ -229,8 +229,9 @@ def test_refreshes_that_went_by_are_counted(display):
     assert sum(tick.missed for tick in frames(display, 2)) >= 3  # 4 periods of 50 ms and a bit
 
 
-@pytest.mark.parametrize("call", ["xrWaitFrame", "xrBeginFrame", "xrEndFrame"])
-@pytest.mark.parametrize("when", ["before", "after"])
+@pytest.mark.parametrize(
+    ("when", "call"), [("after", "xrWaitFrame"), ("after", "xrBeginFrame"), ("before", "xrEndFrame")]
+)
 def test_an_interrupt_in_a_frame_leaves_none_open(display, monkeypatch, call, when):
     frames(display, 2)
     calling, hit = Calls.__call__, []

