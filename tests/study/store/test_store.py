@@ -133,6 +133,11 @@ def test_the_plan_alone_decides_the_orders_and_names_are_drawn(tmp_path):
     assert len(set(subs)) == 10 and all(re.fullmatch("[a-z0-9]{12}", sub) for sub in subs)
 
 
+def test_an_interrupted_session_keeps_its_order(store):
+    sessions = [store.end(begun(store, code), INTERRUPTED) for code in ("P1", "P2", "P3", "P4")]
+    assert sorted(session.row for session in sessions) == [0, 1, 2, 3]
+
+
 # --- measuring, reading
 
 
