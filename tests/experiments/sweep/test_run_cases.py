@@ -39,7 +39,8 @@ def test_resuming_runs_only_the_cases_that_failed_or_are_damaged(tmp_path):
     again = sweep(tmp_path, 20, "wrong", resume=True)
     assert (again.known, len(again.failed)) == (19, 1)
     assert ran(tmp_path) == Counter(range(20)) + Counter([13])
-    min((tmp_path / "cases").glob("*.json")).write_text("{}", encoding="utf-8")  # one that was kept, and is damaged
+    damaged = tmp_path / "cases" / f"{cases(20, 'wrong')[0].identity}.json"
+    damaged.write_text("{}", encoding="utf-8")
     assert sweep(tmp_path, 20, "wrong", resume=True).known == 18
 
 
