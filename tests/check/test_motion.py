@@ -308,4 +308,4 @@ def test_the_command_writes_frames_and_their_error(true, tmp_path):
     with Image.open(tmp_path / "made" / rows[0]["file"]) as picture:
         assert picture.size == SIZE
     refused = hmdwarp("synthesise", folder, "--at", 3, "--out", tmp_path / "far")
-    assert refused.returncode == 2 and "--at 3: expected -1 to 2" in refused.stderr
+    assert refused.returncode == 2 and "--at 3: expected a number of at least -1 and at most 2" in refused.stderr
