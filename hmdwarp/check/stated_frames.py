@@ -96,6 +96,8 @@ class Stated:
         # Indices of the frames of each eye, in the order of time.
         eyes = np.array([frame.eye or 0 for frame in frames])
         self.tracks = [np.flatnonzero(eyes == eye) for eye in np.unique(eyes)]
+        # The frames at full resolution, and at about COARSE_PX pixels of width.
+        self.fine, self.coarse = self._sheet(1, _FINE_BLUR), self._sheet(max(1, shape[1] // COARSE_PX), _COARSE_BLUR)
 
     @cached_property
     def interval_s(self) -> float | None:
@@ -119,16 +121,6 @@ class Stated:
                 error = np.linalg.norm(CubicSpline(times[rest], curve[rest])(times[k]) - curve[k])
                 off.append(error / max(float(np.linalg.norm(curve[k + 1] - curve[k - 1])), 1e-12))
         return float(np.median(between)) if np.median(off) <= _UNSTEADY else None
-
-    @cached_property
-    def fine(self) -> Sheet:
-        """The frames at full resolution."""
-        return self._sheet(1, _FINE_BLUR)
-
-    @cached_property
-    def coarse(self) -> Sheet:
-        """The frames at about COARSE_PX pixels of width."""
-        return self._sheet(max(1, self.frames[0].depth.shape[1] // COARSE_PX), _COARSE_BLUR)
 
     def _sheet(self, step: int, blur: tuple[float, float]) -> Sheet:
         from scipy.ndimage import gaussian_filter

@@ -164,7 +164,7 @@ class Warper:
             check_budget(budget_ms, "budget_ms")
         elif budget_ms is not None:
             raise InputError(f"budget_ms is for warp 'auto': '{warp}' takes what it takes; leave it out")
-        self._plan = plans[0]
+        self.plan: Plan = plans[0]  # the passes that run; for warp "auto" those chosen on the first picture
         self._needs, self._has_depth = needs_of(plans), depth
         self._learns = any(choice.entry.remembers for plan in plans for choice in plan.fills)
         self.repair = parse_repairs(repair)
@@ -176,7 +176,7 @@ class Warper:
             self._owner = Owner()
             stack.callback(self._owner.close)
             own, sizes = self._owner.own, (self.rendered_size, self.size)
-            self._compensator = own(Compensator(current, self._plan, None, *sizes)) if not auto else None
+            self._compensator = own(Compensator(current, self.plan, None, *sizes)) if not auto else None
             self._choose = partial(chosen, current, auto, sizes, budget_ms)
             self._layers = own(CallerLayers(current, self._needs, self.rendered_size))
             count = 1 + self._needs.others.count + self._needs.others.recent
@@ -254,7 +254,7 @@ class Warper:
             inputs = self._inputs(images, shown, eye, round(float(age_s) * 1e9))
             if self._compensator is None:
                 self._compensator = self._owner.own(self._choose(inputs))
-                self._plan = self._compensator.plan
+                self.plan = self._compensator.plan
             made = self._compensator.run(inputs)
             if self._confidence is not None:
                 sure = dict(zip((colour for colour, _ in self._pairs), self._sure, strict=True))
@@ -350,11 +350,6 @@ class Warper:
             gpu.check_not_lost()
             assert made.shown is not None, "only a fused plan lacks it"
             return WarpedTextures(made.shown.texture, made.inverse_depth, self)
-
-    @property
-    def plan(self) -> Plan:
-        """The passes that run; for warp "auto" those chosen on the first picture."""
-        return self._plan
 
     def close(self) -> None:
         """Free all textures and buffers; nothing after the first time, and in a forked process."""
