@@ -268,6 +268,7 @@ FAR_RECT = {"imageRect": {"offset": {"x": 9, "y": 0}, "extent": {"width": 160, "
     ({"depth": None}, "motion vectors without depth"),
     ({"colour": "../elsewhere.png"}, "elsewhere"),
     ({"scale": 2}, "expected the keys of docs/motion.md"),
+    ({"depthUnit": "feet"}, "depthUnit is 'feet': expected buffer or metres"),
     ({"displayTime": 5}, "does not rise"),
     ({"pose": [0, 0, 0]}, "expected an XrPosef"),
 ])  # fmt: skip
