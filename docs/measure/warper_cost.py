@@ -57,7 +57,7 @@ def call_over_passes(gpu: Gpu, size: tuple[int, int], rounds: int) -> tuple[str,
     raw = raw_picture(colour, depth_m)
     with Warper(size, gpu=gpu) as warper:
         warper.warp(colour, depth_m, LATE, NOW)
-        pair, buffers = warper._held[0].pair, warper._buffers
+        pair, buffers = warper._pairs[0], warper._buffers
         sent = warper._take_in.send(raw, buffers)
         made = warper._compensator.run(PassInputs(EyeImage(LATE, *pair), NOW, 0))
         calls: dict[str, Callable[[], object]] = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import attrs
@@ -176,11 +176,8 @@ def _best_of(search: Search, ways: Sequence[Sequence[Reading]]) -> list[Reading]
 
 def _two(search: Search, plain: Reading) -> list[Reading]:
     """Return readings of two conventions that differ."""
-    singles = [reading for reading in search.discrete(plain) if "rows" not in differences(reading)]
-    found = list(search.rows(plain))
     both: list[Reading] = []
-    cameras = [search.best(way) for way in search.cameras(plain)]
-    for single in [*singles, *found, *cameras]:
+    for single in [*search.discrete(plain), *(search.best(way) for way in search.cameras(plain))]:
         both += [two for two in search.discrete(single) if len(differences(two)) == 2]
         both += _best_of(search, search.numbers(single, usual=True))
         both += [search.best(way) for way in search.cameras(single)]
@@ -252,11 +249,10 @@ class _NumberSearch:
         nothing = self._candidate(*self._fit(self.base, ()))
         needed = SURE if not nothing.changes else _SECOND * SURE
         gain = -_NO_WORSE if not nothing.changes else needed / 4
-        singles = [one for one in self._of(1) if self._is_known(one, needed) and margin(nothing, one) > gain]
-        best, rivals = self._least(nothing, singles)
+        best, rivals = self._least(nothing, self._surer(1, nothing, needed, gain))
         besides = self._besides(best)
         if besides and not nothing.changes:
-            pairs = [model for model in self._of(2) if self._is_known(model, SURE) and margin(best, model) > SURE]
+            pairs = self._surer(2, best, SURE, SURE)
             best, rivals = self._least(best, pairs) if pairs else (best, rivals)
             besides = self._besides(best) if pairs else besides
         return self._square(best), rivals, besides
@@ -271,10 +267,20 @@ class _NumberSearch:
         one = min((self._candidate(*self.search.fitted(start, names)) for start in starts), key=lambda one: one.total)
         return one if margin(one, best) <= SURE else best
 
-    def _of(self, count: int) -> Iterator[Candidate]:
+    def _surer(self, count: int, than: Candidate, needed: float, gain: float) -> list[Candidate]:
+        """Return the readings of so many numbers that are known, and better than one by a gain."""
+        found = []
         for names in itertools.combinations(self._names, count):
-            if not {"scale", "planes"} <= set(names):
-                yield self._model(names)
+            if {"scale", "planes"} <= {*names}:
+                continue
+            one = self._model(names)
+            differ = numbered(one.reading)
+            known = all(
+                matters(self.search, name, one.reading) and self._sureness(one, name) > needed for name in differ
+            )
+            if differ and known and margin(than, one) > gain:
+                found.append(one)
+        return found
 
     def _least(self, otherwise: Candidate, found: Sequence[Candidate]) -> tuple[Candidate, tuple[Candidate, ...]]:
         """Return the best of those found, and those that may be it as well."""
@@ -311,11 +317,6 @@ class _NumberSearch:
             for name in self._names
             if name not in taken and matters(self.search, name, every.reading) and self._sureness(every, name) > SURE
         )
-
-    def _is_known(self, one: Candidate, needed: float) -> bool:
-        names = numbered(one.reading)
-        known = (matters(self.search, name, one.reading) and self._sureness(one, name) > needed for name in names)
-        return bool(names) and all(known)
 
     def _sureness(self, one: Candidate, name: str) -> float:
         """Return by how many standard errors a convention is not as stated."""
@@ -381,7 +382,7 @@ def standing(search: Search, noise: Noise, best: Candidate) -> list[str]:
             both = _fitted(search, start, (*least, *own))
             two = [search.fine.residuals(one) for one in (reading, both[0])]
             known = ~np.isnan(two[0].depth + two[1].depth)  # elsewhere in the picture of depth are other gaps
-            before, after = (search.fine.by_block(np.where(known, cost(each, noise), np.nan))[0] for each in two)
+            before, after = (search.fine.by_block(np.where(known, cost(each, noise), np.nan)) for each in two)
             gains.append((before - after, both))
         gain, both = max(gains, key=lambda one: float(one[0].sum()))
         # A turn of a degree is half a pixel, which is the more common.
@@ -488,7 +489,7 @@ def _finding(search: Search, best: Reading, name: str, untold: str) -> Finding:
             and near.along == best.along
             and value(near, stated, name) != value(best, stated, name)
         ]
-    score, *scores = (search.coarse.by_block(np.nan_to_num(search.coarse.score(one)))[0] for one in (best, *others))
+    score, *scores = (search.coarse.by_block(search.coarse.score(one)) for one in (best, *others))
     margin = min((standard_errors(score - other) for other in scores), default=None)
     is_ahead, told = margin is None or margin >= SURE, True
     if name in differ:

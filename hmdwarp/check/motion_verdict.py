@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from ..base import InputError, linear_from_srgb, listed, srgb8_from_linear
-from ..base.named_files import PICTURE_FILE, named_in, opened
+from ..base.named_files import named_in
 from ..geometry import DepthLayer, Fov, Pose, View, inverse_depth_from_metres
 from ..sources.sequences import read_colour, read_depth
 from ..sources.sequences.frame_files import number_of, numbers_of, read_json
-from ..sources.sequences.picture_files import EXR, NPY, read_exr
+from ..sources.sequences.picture_files import EXR, NPY, read_exr, read_npy
 from .conventions import Answer, Finding
 from .search import SURE
 
@@ -168,10 +168,10 @@ def read_motion(path: Path) -> MotionFrames:
     return MotionFrames(found, Convention(**stated))
 
 
-_KEYS = ("colour", "depth", "motion", "pose", "fov", "displayTime", "subImage", "motionVectorSubImage", "depthSubImage")
 # What a frame is without its key; None: there must be one, or there is none.
 _USUAL: dict[str, Any] = {
-    **dict.fromkeys(_KEYS),
+    **dict.fromkeys(("colour", "depth", "motion", "pose", "fov", "displayTime")),
+    **dict.fromkeys(("subImage", "motionVectorSubImage", "depthSubImage")),
     "jitter": (0, 0),
     "layerFlags": (),
     "motionVectorScale": (1, 1, 1, 0),
@@ -187,20 +187,34 @@ def _frame(at: str, folder: Path, row: Mapping[str, Any]) -> MotionFrame:
         raise InputError(f"{at}: {', '.join(sorted(unknown))}: expected the keys of docs/motion.md")
 
     def picture(key: str, image: str, read: Callable[[Path], NDArray[Any]]) -> Any:
+        """Return the rectangle of an XrSwapchainSubImage, counted from the top left pixel."""
         if row[key] is None and key != "colour":
             return None
         if not isinstance(row[key], str):
             raise InputError(f"{at}: {key} is {row[key]!r}: expected the name of a file")
-        return _cut(at, read(named_in(folder, row[key])), row[image])
+        path = named_in(folder, row[key])
+        whole = read_npy(path, channels=True) if path.suffix.lower() == NPY and key != "depth" else read(path)
+        if row[image] is None:
+            return whole
+        rect = row[image].get("imageRect") if isinstance(row[image], dict) else None
+        if not isinstance(rect, dict):
+            raise InputError(f"{at}: {image} is {row[image]!r}: expected an imageRect of offset and extent")
+        x, y = map(int, _numbers(at, "offset", rect.get("offset"), "xy"))
+        wide, high = map(int, _numbers(at, "extent", rect.get("extent"), ("width", "height")))
+        found = whole[max(y, 0) : y + high, max(x, 0) : x + wide]
+        if min(x, y) < 0 or not found.size or found.shape[:2] != (high, wide):
+            raise InputError(f"{at}: {image} of {wide}x{high} at {x}, {y}: the file has {whole.shape[1::-1]}")
+        return found
 
-    colour = picture(
-        "colour", "subImage", lambda path: _array(path) if path.suffix.lower() == NPY else read_colour(path)
-    )
+    colour = picture("colour", "subImage", read_colour)
     colour = colour[..., :3] if colour.dtype == np.uint8 else srgb8_from_linear(colour[..., :3])
     depth = picture("depth", "depthSubImage", read_depth)
     if depth is not None:  # of a buffer: integers are of their whole range
         depth = depth / np.iinfo(depth.dtype).max if depth.dtype.kind in "iu" else depth.astype(np.float64)
-    vectors = picture("motion", "motionVectorSubImage", _vectors)
+    if (vectors := picture("motion", "motionVectorSubImage", _vectors)) is not None:
+        vectors = vectors.astype(np.float64)[..., : 2 if _TWO in str(row["layerFlags"]) else None]
+    if row["depthUnit"] not in ("buffer", METRES):
+        raise InputError(f"{at}: depthUnit is {row['depthUnit']!r}: expected buffer or {METRES}")
     planes = [math.inf if row[key] == _INFINITE else number_of(at, key, row[key]) for key in _PLANES]
     return MotionFrame(
         row["colour"],
@@ -208,7 +222,7 @@ def _frame(at: str, folder: Path, row: Mapping[str, Any]) -> MotionFrame:
         View(_pose(at, "pose", row["pose"]), Fov(*_numbers(at, "fov", row["fov"], _ANGLES))),
         int(number_of(at, "displayTime", row["displayTime"], "nanoseconds")),
         depth,
-        vectors[..., :2] if vectors is not None and _TWO in str(row["layerFlags"]) else vectors,
+        vectors,
         DepthLayer(*planes) if row["depthUnit"] == "buffer" else None,
         _numbers(at, "motionVectorScale", row["motionVectorScale"], "xyzw")[:3],
         _numbers(at, "motionVectorOffset", row["motionVectorOffset"], "xyzw")[:3],
@@ -229,25 +243,8 @@ def _pose(at: str, key: str, value: Any) -> Pose:
     return Pose(*(_numbers(at, f"{key}.{part}", value.get(part), names) for part, names in parts))
 
 
-def _cut(at: str, picture: NDArray[Any], image: Any) -> NDArray[Any]:
-    """Return the rectangle of an XrSwapchainSubImage, counted from the top left pixel."""
-    if image is None:
-        return picture
-    rect = image.get("imageRect") if isinstance(image, dict) else None
-    if not isinstance(rect, dict):
-        raise InputError(f"{at}: sub-image {image!r}: expected an imageRect of offset and extent")
-    x, y = map(int, _numbers(at, "offset", rect.get("offset"), "xy"))
-    wide, high = map(int, _numbers(at, "extent", rect.get("extent"), ("width", "height")))
-    found = picture[max(y, 0) : y + high, max(x, 0) : x + wide]
-    if min(x, y) < 0 or not found.size or found.shape[:2] != (high, wide):
-        raise InputError(f"{at}: sub-image of {wide}x{high} at {x}, {y}: the file has {picture.shape[1::-1]}")
-    return found
-
-
-def _vectors(path: Path) -> Array:
+def _vectors(path: Path) -> NDArray[Any]:
     """Return (h, w, 2 to 4): of EXR the layer that is named so, else red, green and blue."""
-    if path.suffix.lower() == NPY:
-        return _array(path).astype(np.float64)
     if path.suffix.lower() != EXR:
         return read_colour(path) / 255.0
     layers: dict[str, dict[str, NDArray[np.float32]]] = {}
@@ -260,18 +257,7 @@ def _vectors(path: Path) -> Array:
     parts = [found[axis] for axis in (axes[:2] if "W" in found else axes) if axis in found]
     if len(parts) < 2:
         raise InputError(f"{path}: layers {', '.join(layers)}; expected R and G, or X and Y of a layer of vectors")
-    return np.stack(parts, axis=-1).astype(np.float64)
-
-
-def _array(path: Path) -> NDArray[Any]:
-    try:
-        with opened(path, PICTURE_FILE) as file:
-            found = np.load(file, allow_pickle=False)
-    except (ValueError, EOFError) as error:
-        raise InputError(f"{path}: not an .npy file of numbers ({error})") from error
-    if not isinstance(found, np.ndarray) or found.ndim != 3 or found.dtype.kind not in "fiu":
-        raise InputError(f"{path}: expected (h, w, channels) numbers")
-    return found
+    return np.stack(parts, axis=-1)
 
 
 _ACROSS, _DOWN = 20, 15  # blocks of a picture

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import attrs
 
-from ..base import Declared, InputError, force_field, group, option, out_field
+from ..base import Declared, InputError, Number, force_field, group, option, out_field
 from ..sources.sequences.options import SequenceOptions
 
 
@@ -42,10 +42,8 @@ class SynthesisOptions(Declared):
     )
     out: Path = out_field(attrs.NOTHING, "Folder for a PNG of each frame, and synthesis.json.")
     at: float = option(
-        1.0, "Where, in intervals after each frame: 1 the next frame, 0.5 half way to it, -0.5 half way back."
+        1.0,
+        "Where, in intervals after each frame: 1 the next frame, 0.5 half way to it, -0.5 half way back.",
+        valid=Number(least=-1, most=2),
     )
     force: bool = force_field()
-
-    def __attrs_post_init__(self) -> None:
-        if not -1 <= self.at <= 2:
-            raise InputError(f"--at {self.at:g}: expected -1 to 2 intervals")

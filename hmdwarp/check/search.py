@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any
 
 import attrs
@@ -179,11 +179,10 @@ class Overlap:
             found.append(upper * (1 - y) + lower * y)
         return found
 
-    def by_block(self, values: Array) -> tuple[Array, Array]:
-        """Return the sum of values in each block, and how many there are; NaN does not count."""
+    def by_block(self, values: Array) -> Array:
+        """Return the sum of values in each block; NaN does not count."""
         known = ~np.isnan(values)
-        sums = np.bincount(self.block[known], values[known], self.blocks).astype(np.float64)
-        return sums, np.bincount(self.block[known], minlength=self.blocks).astype(np.float64)
+        return np.bincount(self.block[known], values[known], self.blocks).astype(np.float64)
 
 
 # The deviations of what agrees, of depth and of brightness; a reading with the standard error of
@@ -288,16 +287,8 @@ class Candidate:
     reading: Reading
     error: dict[str, float]  # as Fitted has them
     cost: Array  # of each block
-
-    @cached_property
-    def changes(self) -> int:
-        """How many conventions differ from what is stated."""
-        return len(differences(self.reading))
-
-    @cached_property
-    def total(self) -> float:
-        """Its cost in all blocks."""
-        return float(self.cost.sum())
+    total: float  # of all blocks
+    changes: int  # conventions that differ from what is stated
 
 
 class Search:
@@ -324,8 +315,8 @@ class Search:
 
     def _score_of(self, reading: Reading) -> float:
         """Return the agreement on the coarse pictures, 0 to 1."""
-        sums, counts = self.coarse.by_block(self.coarse.score(reading))
-        return float(sums.sum() / max(counts.sum(), 1))
+        score = self.coarse.score(reading)
+        return float(self.coarse.by_block(score).sum() / max((~np.isnan(score)).sum(), 1))
 
     def best(self, readings: Sequence[Reading]) -> Reading:
         """Return that of the highest agreement, the first of equals."""
@@ -340,16 +331,11 @@ class Search:
         yield from (attrs.evolve(start, axes=name) for name in AXES if name != start.axes)
         if self.stated.other_eye is not None:
             yield attrs.evolve(start, eyes_swapped=not start.eyes_swapped)
-        yield from self.rows(start)
-        if start.along == 0:
-            yield attrs.evolve(start, along=1.0)
-
-    @staticmethod
-    def rows(start: Reading) -> Iterator[Reading]:
-        """Yield the reading with rows the other way round."""
         for colour, depth in itertools.product((False, True), repeat=2):
             if (colour, depth) != (start.colour_rows_up, start.depth_rows_up):
                 yield attrs.evolve(start, colour_rows_up=colour, depth_rows_up=depth)
+        if start.along == 0:
+            yield attrs.evolve(start, along=1.0)
 
     def numbers(self, start: Reading, *, usual: bool = False) -> list[list[Reading]]:
         """Return readings of depth in other units, and of depth buffers; a list for each kind.
@@ -452,8 +438,8 @@ class Search:
 
     def candidate(self, noise: Noise, reading: Reading, error: dict[str, float] | None = None) -> Candidate:
         """Return the reading with its disagreement, block by block."""
-        costs = self.fine.by_block(cost(self.fine.residuals(reading), noise))[0]
-        return Candidate(reading, error or {}, costs)
+        costs = self.fine.by_block(cost(self.fine.residuals(reading), noise))
+        return Candidate(reading, error or {}, costs, float(costs.sum()), len(differences(reading)))
 
 
 def standard_errors(apart: Array) -> float:

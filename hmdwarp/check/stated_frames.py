@@ -96,6 +96,8 @@ class Stated:
         # Indices of the frames of each eye, in the order of time.
         eyes = np.array([frame.eye or 0 for frame in frames])
         self.tracks = [np.flatnonzero(eyes == eye) for eye in np.unique(eyes)]
+        # The frames at full resolution, and at about COARSE_PX pixels of width.
+        self.fine, self.coarse = self._sheet(1, _FINE_BLUR), self._sheet(max(1, shape[1] // COARSE_PX), _COARSE_BLUR)
 
     @cached_property
     def interval_s(self) -> float | None:
@@ -119,16 +121,6 @@ class Stated:
                 error = np.linalg.norm(CubicSpline(times[rest], curve[rest])(times[k]) - curve[k])
                 off.append(error / max(float(np.linalg.norm(curve[k + 1] - curve[k - 1])), 1e-12))
         return float(np.median(between)) if np.median(off) <= _UNSTEADY else None
-
-    @cached_property
-    def fine(self) -> Sheet:
-        """The frames at full resolution."""
-        return self._sheet(1, _FINE_BLUR)
-
-    @cached_property
-    def coarse(self) -> Sheet:
-        """The frames at about COARSE_PX pixels of width."""
-        return self._sheet(max(1, self.frames[0].depth.shape[1] // COARSE_PX), _COARSE_BLUR)
 
     def _sheet(self, step: int, blur: tuple[float, float]) -> Sheet:
         from scipy.ndimage import gaussian_filter
@@ -174,22 +166,16 @@ def read_stated(paths: Sequence[Path], options: SequenceOptions | None = None) -
     if len(paths) > 2:
         raise InputError(f"{' '.join(map(str, paths))}: expected a folder, or two: of the left and the right eye")
     opened = [sequences.open(path, options) for path in paths]
-    known = opened[0].assumptions, tuple(sequences.depth_notes(opened[0]))
-    found = [sequence.frames for sequence in opened]
-    chosen = _chosen(found[0])
-    if len(paths) == 1:
-        return Stated([_stated(found[0][k], None) for k in chosen], *known)
-    if len(found[0]) != len(found[1]):
-        raise InputError(
-            f"{paths[0]} has {len(found[0])} frames and {paths[1]} {len(found[1])}: expected one of each eye for "
-            "each instant"
-        )
-    return Stated([_stated(found[eye][k], eye) for k in chosen for eye in (LEFT, RIGHT)], *known)
-
-
-def _stated(frame: RecordedFrame, eye: int | None) -> StatedFrame:
-    colour, depth = frame.read()
-    return StatedFrame(frame.name, colour, depth.astype(np.float64), frame.view, frame.time_ns, eye)
+    if len(opened[0]) != len(opened[-1]):
+        have = f"{paths[0]} has {len(opened[0])} frames and {paths[1]} {len(opened[1])}"
+        raise InputError(f"{have}: expected one of each eye for each instant")
+    found: list[StatedFrame] = []
+    for k in _chosen(opened[0].frames):
+        for eye, sequence in enumerate(opened):
+            frame, number = sequence[k], eye if len(paths) > 1 else None
+            colour, depth = frame.read()
+            found.append(StatedFrame(frame.name, colour, depth.astype(np.float64), frame.view, frame.time_ns, number))
+    return Stated(found, opened[0].assumptions, sequences.depth_notes(opened[0]))
 
 
 def _chosen(frames: Sequence[RecordedFrame]) -> range:
@@ -266,42 +252,36 @@ class Reading:
 
     def poses(self, stated: Stated) -> tuple[Array, Array]:
         """Return the matrices (n, 3, 3) and positions (n, 3) of world_from_eye."""
-        from scipy.spatial.transform import Rotation
-
-        key = (self.order, self.inverse, self.axes, self.eyes_swapped, self.late_s)
-        if key not in stated.poses_read:
-            stated.poses_read[key] = self._read_poses(stated)
-        turn, place = stated.poses_read[key]
-        if self.turn_x or self.turn_y or self.turn_z:
-            turn = turn @ Rotation.from_rotvec((self.turn_x, self.turn_y, self.turn_z)).as_matrix()
-        return turn, place
-
-    def _read_poses(self, stated: Stated) -> tuple[Array, Array]:
         from scipy.interpolate import CubicSpline
         from scipy.spatial.transform import Rotation, RotationSpline
 
-        orientation, place = stated.orientation, stated.position
-        turn = Rotation.from_quat(orientation[:, [1, 2, 3, 0]] if self.order == "wxyz" else orientation).as_matrix()
-        if self.inverse:
-            turn = turn.transpose(0, 2, 1)
-            place = -np.einsum("nij,nj->ni", turn, place)
-        eye = eye_axes(self.axes)
-        if not np.array_equal(eye, np.eye(3)):
-            turn = turn @ eye.T
-            if np.linalg.det(eye) < 0:  # which of the world's axes is turned around makes no difference
-                turn, place = _MIRROR @ turn, place @ _MIRROR
-        if self.eyes_swapped:
-            assert stated.other_eye is not None
-            turn, place = turn[stated.other_eye], place[stated.other_eye]
-        if self.late_s:  # on smooth curves through the poses
-            times = stated.seconds
-            assert times is not None
-            turned, placed = np.empty_like(turn), np.empty_like(place)
-            for track in stated.tracks:
-                later = times[track] + self.late_s
-                turned[track] = RotationSpline(times[track], Rotation.from_matrix(turn[track]))(later).as_matrix()
-                placed[track] = CubicSpline(times[track], place[track])(later)
-            return turned, placed
+        key = (self.order, self.inverse, self.axes, self.eyes_swapped, self.late_s)
+        if key not in stated.poses_read:
+            orientation, place = stated.orientation, stated.position
+            turn = Rotation.from_quat(orientation[:, [1, 2, 3, 0]] if self.order == "wxyz" else orientation).as_matrix()
+            if self.inverse:
+                turn = turn.transpose(0, 2, 1)
+                place = -np.einsum("nij,nj->ni", turn, place)
+            eye = eye_axes(self.axes)
+            if not np.array_equal(eye, np.eye(3)):
+                turn = turn @ eye.T
+                if np.linalg.det(eye) < 0:  # which of the world's axes is turned around makes no difference
+                    turn, place = _MIRROR @ turn, place @ _MIRROR
+            if self.eyes_swapped:
+                assert stated.other_eye is not None
+                turn, place = turn[stated.other_eye], place[stated.other_eye]
+            if self.late_s:  # on smooth curves through the poses
+                assert stated.seconds is not None
+                turned, placed = np.empty_like(turn), np.empty_like(place)
+                for track in stated.tracks:
+                    times, rotations = stated.seconds[track], Rotation.from_matrix(turn[track])
+                    turned[track] = RotationSpline(times, rotations)(times + self.late_s).as_matrix()
+                    placed[track] = CubicSpline(times, place[track])(times + self.late_s)
+                turn, place = turned, placed
+            stated.poses_read[key] = turn, place
+        turn, place = stated.poses_read[key]
+        if self.turn_x or self.turn_y or self.turn_z:
+            turn = turn @ Rotation.from_rotvec((self.turn_x, self.turn_y, self.turn_z)).as_matrix()
         return turn, place
 
     def inverse_depth(self, base: Array, ray: Array) -> Array:

@@ -15,7 +15,7 @@ from ..geometry import Fov, Pose, View
 from ..image import Warper
 from ..metrics import psnr
 from ..pipeline.feed_coding import velocity_of
-from .motion_verdict import BACKWARD, METRES, MotionFrame, MotionFrames, Pair, grid, nearest_at
+from .motion_verdict import BACKWARD, METRES, Convention, MotionFrame, MotionFrames, Pair, grid, nearest_at
 
 _SAME_NS = 1000  # a frame at most so far from the instant is its truth
 
@@ -71,7 +71,7 @@ def synthesise(frames: MotionFrames, at: float = 1.0) -> Iterator[Synthesised]:
             inverse = np.nan_to_num(nearest_at(now.inverse_depth, grid(size)))
             with np.errstate(divide="ignore"):
                 depth_m = 1 / inverse
-            velocity = velocity_of(vectors_of(pair, frames), rendered, inverse)[..., :3].astype(np.float32)
+            velocity = velocity_of(vectors_of(pair, frames.stated), rendered, inverse)[..., :3].astype(np.float32)
             if truth is None:  # the eye goes on as from the frame before to this one
                 here, then = now.view.pose, pair.then_view.pose
                 turned = Rotation.from_rotvec(at * (then.rotation.inv() * here.rotation).as_rotvec())
@@ -82,12 +82,11 @@ def synthesise(frames: MotionFrames, at: float = 1.0) -> Iterator[Synthesised]:
                 eye = truth.view.pose if truth is now else spaces[truth.time_ns > now.time_ns] @ truth.view.pose
                 shown = jittered(truth.view.at(eye), truth)
             arguments: dict[str, Any] = {"colour": now.colour, "depth_m": depth_m, "rendered": rendered, "shown": shown}
-            made = moving.warp(**arguments, layers={"velocity": velocity}, age_s=(time_ns - now.time_ns) * 1e-9)
-            found = Synthesised(f"{number:04}", time_ns, made.colour)
+            made = moving.warp(**arguments, layers={"velocity": velocity}, age_s=(time_ns - now.time_ns) * 1e-9).colour
+            found = Synthesised(f"{number:04}", time_ns, made)
             if truth is not None:
-                others = still.warp(**arguments).colour, now.colour
-                errors = [psnr(one, truth.colour) for one in (made.colour, *others)]
-                found = Synthesised(found.name, time_ns, made.colour, truth.name, *errors)
+                errors = [psnr(one, truth.colour) for one in (made, still.warp(**arguments).colour, now.colour)]
+                found = Synthesised(found.name, time_ns, made, truth.name, *errors)
             yield found
 
 
@@ -98,17 +97,12 @@ def jittered(view: View, frame: MotionFrame) -> View:
     return view.within(Fov.from_tangents((left - across, right - across, down + high, up + high)))
 
 
-def vectors_of(pair: Pair, frames: MotionFrames) -> tuple[NDArray[Any], NDArray[Any]]:
+def vectors_of(pair: Pair, stated: Convention) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return vectors as XR_EXT_frame_synthesis has them, and their row of the feed's message."""
-    stated, planes, ends = frames.stated, pair.now.planes, (0.0, 0.0)  # no z
-    vectors = np.zeros((*pair.vectors.shape[:2], 4))
+    vectors, planes, ends = np.zeros((*pair.vectors.shape[:2], 4)), pair.now.planes, (0.0, 0.0)  # no z
     vectors[..., :2] = 2 * (pair.uv - pair.places(stated))
-    if (
-        planes is not None
-        and planes.max_depth - planes.min_depth == 1
-        and pair.vectors.shape[2] > 2
-        and stated.unit != METRES
-    ):
+    has_z = pair.vectors.shape[2] > 2 and stated.unit != METRES
+    if has_z and planes is not None and planes.max_depth - planes.min_depth == 1:
         vectors[..., 2] = pair.vectors[..., 2] * (-1 if stated.sign == BACKWARD else 1)
         ends = planes.near_z, planes.far_z
     before = jittered(pair.then_view, pair.before)

@@ -1,4 +1,4 @@
-"""A caller's picture, and further layers of it, as textures."""
+"""Further layers of a caller's picture, as textures."""
 
 from __future__ import annotations
 
@@ -7,32 +7,16 @@ from typing import Any
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
 from ..base import InputError
 from ..client.effects.text import HeldPanel, panel_texture
 from ..frames import Needs
 from ..frames.layers import layers
 from ..gpu import Gpu
-from ..gpu.textures import COLOUR, SCALAR, Owner, allocate, release_all, upload
+from ..gpu.textures import COLOUR, Owner, allocate, release_all, upload
 from ..scenes import Panel, Texture
 
 VELOCITY, PANELS = "velocity", "panels"
-
-
-class HeldPicture(Owner):
-    """Colour and inverse depth of one picture, and with a repair how sure the depth is."""
-
-    def __init__(self, gpu: Gpu, size: tuple[int, int], has_confidence: bool) -> None:
-        self.pair = self.own(allocate(gpu.gl, size, COLOUR)), self.own(allocate(gpu.gl, size, SCALAR))
-        # rgba16f: confidence in red, coverage in alpha; for a Warper with a repair.
-        self.sure: Any = self.own(allocate(gpu.gl, size, COLOUR) if has_confidence else None)
-
-    def hold_confidence(self, confidence: NDArray[np.float32]) -> None:
-        nothing = np.zeros_like(confidence)
-        upload(self.sure, np.stack([confidence, nothing, nothing, confidence > 0], axis=2))
-
-
 # What a caller can pass beside pictures, and how.
 KNOWN = {
     VELOCITY: "(h, w, 3) m/s along the eye's axes, 0 for what stands still",

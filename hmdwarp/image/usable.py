@@ -47,11 +47,8 @@ def plan_of(
     Errors: InputError for what is no name, and for warp "auto"; PlanError for passes that read
     more; UnknownNameError.
     """
-    for kind, name, usable in (
-        ("warp", warp, usable_warps),
-        ("fill", fill, usable_fills),
-        ("effects", effects, usable_effects),
-    ):
+    said = {"warp": (warp, usable_warps), "fill": (fill, usable_fills), "effects": (effects, usable_effects)}
+    for kind, (name, usable) in said.items():
         if not isinstance(name, str):
             raise InputError(f"{kind} is {in_brief(name)}: expected a name: {', '.join(usable())}")
     if not isinstance(depth, bool | np.bool_):

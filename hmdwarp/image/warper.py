@@ -25,27 +25,20 @@ from ..client.plan import OTHERS, Plan, needs_of
 from ..frames import EyeImage
 from ..geometry import View
 from ..gpu.context import Gpu, check_not_forked
-from ..gpu.textures import COLOUR, SCALAR, Canvas, Owner, check_size
+from ..gpu.textures import COLOUR, SCALAR, Canvas, Owner, allocate, check_size, upload
 from ..pipeline.governor import check_budget
 from ..pipeline.options import DEFAULT_WARP, SINGLE_FILL
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, GiveOut, PixelBuffers, TakeIn
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import about_largest, about_unit
-from .picture_arrays import (
-    CallerPicture,
-    about_holes,
-    check_view,
-    checked_size,
-    is_one_of,
-    raw_picture,
-    without_hidden,
-)
-from .picture_textures import CallerLayers, HeldPicture
+from .picture_arrays import CallerPicture, about_holes, check_view, checked_size, is_one_of, raw_picture
+from .picture_textures import CallerLayers
 from .usable import LEVELS, chosen, plan_of
 
 _MOST_AGE_S = 9e9  # in nanoseconds still of 64 bits
 _LARGEST, _UNIT, _HOLES = "largest", "unit", "holes"  # what a Warper warns of once
 Other = tuple[ArrayLike, ArrayLike, View]
+Picture = tuple[CallerPicture, View]
 _shared: Gpu | None = None
 _turn = threading.RLock()  # a thread that holds it may take it again
 
@@ -171,7 +164,7 @@ class Warper:
             check_budget(budget_ms, "budget_ms")
         elif budget_ms is not None:
             raise InputError(f"budget_ms is for warp 'auto': '{warp}' takes what it takes; leave it out")
-        self._plan = plans[0]
+        self.plan: Plan = plans[0]  # the passes that run; for warp "auto" those chosen on the first picture
         self._needs, self._has_depth = needs_of(plans), depth
         self._learns = any(choice.entry.remembers for plan in plans for choice in plan.fills)
         self.repair = parse_repairs(repair)
@@ -183,15 +176,17 @@ class Warper:
             self._owner = Owner()
             stack.callback(self._owner.close)
             own, sizes = self._owner.own, (self.rendered_size, self.size)
-            self._compensator = own(Compensator(current, self._plan, None, *sizes)) if not auto else None
+            self._compensator = own(Compensator(current, self.plan, None, *sizes)) if not auto else None
             self._choose = partial(chosen, current, auto, sizes, budget_ms)
             self._layers = own(CallerLayers(current, self._needs, self.rendered_size))
             count = 1 + self._needs.others.count + self._needs.others.recent
-            has_confidence = bool(self.repair.steps)
-            self._held = [own(HeldPicture(current, self.rendered_size, has_confidence)) for _ in range(count)]
+            texture = partial(allocate, current.gl, self.rendered_size)
+            self._pairs = [(own(texture(COLOUR)), own(texture(SCALAR))) for _ in range(count)]
+            # How sure the depth of each is, with a repair: confidence in red, coverage in alpha.
+            self._sure = [own(texture(COLOUR)) for _ in range(count if self.repair.steps else 0)]
             self._take_in, self._give_out = own(TakeIn(current, sizes[0])), own(GiveOut(current, self.size))
             self._buffers = own(PixelBuffers(current, count))
-            self._confidence = own(Canvas(current.gl, self.size)) if has_confidence else None
+            self._confidence = own(Canvas(current.gl, self.size)) if self.repair.steps else None
             stack.pop_all()
         self._dropped = weakref.finalize(self, current.free_later, self._owner.close)
         self._dropped.atexit = False
@@ -231,8 +226,8 @@ class Warper:
         """
         with self._gpu() as gpu:
             gpu.timer.collect()
-            _check_call(rendered, shown, eye, age_s, result)
-            pictures = self._pictures_of(colour, depth_m, rendered, others, depth_scale, encoding)
+            _check_call(rendered, shown, eye, age_s, result, others)
+            pictures = self._pictures_of([(colour, depth_m, rendered), *others], depth_scale, encoding)
             self._check_others(len(pictures) - 1)
             self._layers.check(layers, self._named)
             kind, found = pictures[0][0].encoding if result is None else result, self._buffers.found
@@ -240,30 +235,29 @@ class Warper:
             if self.repair.steps:
                 pictures = [(picture.checked(), view) for picture, view in pictures]
             found.clear()
-            for number, (held, (picture, _)) in enumerate(zip(self._held, pictures, strict=False)):
+            for number, (pair, (picture, _)) in enumerate(zip(self._pairs, pictures, strict=False)):
                 mended = picture
                 if self.repair.steps:
                     with gpu.timer.cpu_stage("repair"):
                         mended, confidence = picture.repaired(self.repair)
-                    held.hold_confidence(confidence)
+                    nothing = np.zeros_like(confidence)
+                    upload(self._sure[number], np.stack([confidence, nothing, nothing, confidence > 0], axis=2))
                 with gpu.timer.cpu_stage("upload"):
                     sent = self._take_in.send(mended, self._buffers, number)
-                    self._take_in.run(mended, sent, held.pair, found, number)
+                    self._take_in.run(mended, sent, pair, found, number)
             if self._learns:
                 self._check_numbers(pictures)
-            images = [
-                EyeImage(view, *held.pair, drawn_ns=self._count)
-                for held, (_, view) in zip(self._held, pictures, strict=False)
-            ]
+            each = zip(self._pairs, pictures, strict=False)
+            images = [EyeImage(view, *pair, drawn_ns=self._count) for pair, (_, view) in each]
             with gpu.timer.cpu_stage("upload"):
                 images[0] = images[0].having(**self._layers.hold(layers))
             inputs = self._inputs(images, shown, eye, round(float(age_s) * 1e9))
             if self._compensator is None:
                 self._compensator = self._owner.own(self._choose(inputs))
-                self._plan = self._compensator.plan
+                self.plan = self._compensator.plan
             made = self._compensator.run(inputs)
             if self._confidence is not None:
-                sure = {held.pair[0]: held.sure for held in self._held}
+                sure = dict(zip((colour for colour, _ in self._pairs), self._sure, strict=True))
                 self._compensator.carry(inputs, lambda image: sure[image.colour], self._confidence)
             assert made.shown is not None and made.warped is not None, "only a fused plan lacks them"
             depth = made.inverse_depth if self._has_depth else None
@@ -282,36 +276,28 @@ class Warper:
             times["host"] = max(whole_ms - sum(times.values()), 0.0)  # their sum is the call
             return WarpedImage(arrays["colour"], arrays["coverage"], times, share, kind, arrays.get("depth_m"))
 
-    def _pictures_of(
-        self,
-        colour: ArrayLike,
-        depth_m: ArrayLike,
-        rendered: View,
-        others: Sequence[Other],
-        depth_scale: float | None,
-        encoding: str | None,
-    ) -> list[tuple[CallerPicture, View]]:
+    def _pictures_of(self, given: list[Other], depth_scale: float | None, encoding: str | None) -> list[Picture]:
         """Return the picture and the others, each with its view. Errors: InputError."""
-        if not isinstance(others, Sequence):
-            expected = "a list of (colour, depth_m, view), or () for none"
-            raise InputError(f"others is of type {type(others).__name__}: expected {expected}")
-        found, (wide, high) = [], self.rendered_size
-        for number, given in enumerate([(without_hidden(colour, rendered), depth_m, rendered), *others]):
+        found: list[Picture] = []
+        for number, one in enumerate(given):
             name = f"others[{number - 1}]: " if number else ""
             try:
-                given_colour, given_m, view = given
+                colour, depth_m, view = one
             except (TypeError, ValueError) as error:
                 raise InputError(f"{name}expected (colour, depth_m, view)") from error
-            picture = raw_picture(given_colour, given_m, depth_scale, encoding)
+            if not number and view.hidden is not None and np.ndim(colour) == 3:
+                shape: Any = np.shape(colour)
+                colour = np.ma.array(colour, mask=np.broadcast_to(~view.seen(shape[1::-1])[..., None], shape))
+            picture = raw_picture(colour, depth_m, depth_scale, encoding)
             check_view(f"{name}view", view)
             if picture.size != self.rendered_size:
-                found_wide, found_high = picture.size
-                raise InputError(f"{name}colour is {found_wide}x{found_high} pixels: this Warper is for {wide}x{high}")
+                (wide, high), (own_wide, own_high) = picture.size, self.rendered_size
+                raise InputError(f"{name}colour is {wide}x{high} pixels: this Warper is for {own_wide}x{own_high}")
             found.append((picture, view))
         return found
 
-    def _check_numbers(self, pictures: list[tuple[CallerPicture, View]]) -> None:
-        """Check what the GPU has noted of their numbers. Errors: InputError as checked_picture."""
+    def _check_numbers(self, pictures: list[Picture]) -> None:
+        """Check what the GPU has noted of them. Errors: InputError as CallerPicture.checked."""
         self._buffers.found.read()
         for number, (picture, _) in enumerate(pictures):
             if self._buffers.found.is_doubtful(number, self.rendered_size):
@@ -364,11 +350,6 @@ class Warper:
             gpu.check_not_lost()
             assert made.shown is not None, "only a fused plan lacks it"
             return WarpedTextures(made.shown.texture, made.inverse_depth, self)
-
-    @property
-    def plan(self) -> Plan:
-        """The passes that run; for warp "auto" those chosen on the first picture."""
-        return self._plan
 
     def close(self) -> None:
         """Free all textures and buffers; nothing after the first time, and in a forked process."""
@@ -437,7 +418,9 @@ class Warper:
         return PassInputs(images[0], shown, eye, others, recent, shown_ns=self._count + age_ns)
 
 
-def _check_call(rendered: object, shown: object, eye: object, age_s: float = 0.0, result: object = None) -> None:
+def _check_call(
+    rendered: object, shown: object, eye: object, age_s: float = 0.0, result: object = None, others: object = ()
+) -> None:
     if not isinstance(eye, Integral) or eye not in (0, 1):
         raise InputError(f"eye is {in_brief(eye)}: expected 0 (left) or 1 (right)")
     check_view("rendered", rendered)
@@ -446,6 +429,9 @@ def _check_call(rendered: object, shown: object, eye: object, age_s: float = 0.0
         raise InputError(f"age_s is {in_brief(age_s)}: expected seconds from drawing the picture to showing it")
     if not is_one_of(result, (SRGB8, SRGB, LINEAR)):
         raise InputError(f"result is {in_brief(result)}: expected srgb8, srgb, linear, or None for the picture's")
+    if not isinstance(others, Sequence):
+        expected = "a list of (colour, depth_m, view), or () for none"
+        raise InputError(f"others is of type {type(others).__name__}: expected {expected}")
 
 
 def warp_image(

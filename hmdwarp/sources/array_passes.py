@@ -98,7 +98,7 @@ class Found(Owner):
         return bool(self._words[_WORDS * number + _LARGEST])
 
     def is_doubtful(self, number: int, size: Size) -> bool:
-        """Return whether something of that picture may be wrong, which checked_picture knows."""
+        """Return whether something of that picture may be wrong, as CallerPicture.checked knows."""
         words = self._words[_WORDS * number :][:_WORDS]
         half = 3 * size[0] * size[1] / 2  # of all numbers
         bright = words[_BRIGHT] and (not words[_FRACTION] or words[_ABOVE_ONE] >= half)

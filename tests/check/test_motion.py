@@ -268,6 +268,7 @@ FAR_RECT = {"imageRect": {"offset": {"x": 9, "y": 0}, "extent": {"width": 160, "
     ({"depth": None}, "motion vectors without depth"),
     ({"colour": "../elsewhere.png"}, "elsewhere"),
     ({"scale": 2}, "expected the keys of docs/motion.md"),
+    ({"depthUnit": "feet"}, "depthUnit is 'feet': expected buffer or metres"),
     ({"displayTime": 5}, "does not rise"),
     ({"pose": [0, 0, 0]}, "expected an XrPosef"),
 ])  # fmt: skip
@@ -308,4 +309,4 @@ def test_the_command_writes_frames_and_their_error(true, tmp_path):
     with Image.open(tmp_path / "made" / rows[0]["file"]) as picture:
         assert picture.size == SIZE
     refused = hmdwarp("synthesise", folder, "--at", 3, "--out", tmp_path / "far")
-    assert refused.returncode == 2 and "--at 3: expected -1 to 2" in refused.stderr
+    assert refused.returncode == 2 and "--at 3: expected a number of at least -1 and at most 2" in refused.stderr

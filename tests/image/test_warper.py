@@ -20,7 +20,7 @@ from hmdwarp.base import PlanError
 from hmdwarp.client.warps import warps
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, download, upload
 from hmdwarp.image import usable_warps
-from hmdwarp.image.picture_arrays import checked_picture, raw_picture
+from hmdwarp.image.picture_arrays import raw_picture
 from hmdwarp.image.usable import AVAILABLE
 from hmdwarp.sources.array_passes import PixelBuffers, TakeIn
 
@@ -108,7 +108,7 @@ def test_arrays_are_taken_over_as_in_float64(kind, encoding, channels, form, gpu
         )
     if form == "masked":
         depth = np.ma.masked_less(depth, 20)
-    checked = checked_picture(colour, depth, scale, encoding)
+    checked = raw_picture(colour, depth, scale, encoding).checked()
     covered = ~np.isnan(checked.depth)
     light = np.clip(checked.light, -65504, 65504) * covered[..., None]
     rgba = np.concatenate([light, covered[..., None]], axis=2).astype(np.float32)

@@ -68,7 +68,7 @@ def read_depth(path: Path) -> NDArray[Any]:
             raise InputError(f"{path}: channels {', '.join(exr.channels)}; expected depth in Depth.Z, Depth.V or Z")
         return depth
     if suffix == NPY:
-        return _npy(path)
+        return read_npy(path)
     with _opened(path) as picture:
         if picture.mode not in _DEEP:
             expected = "expected depth in one channel of 16 bits or floats"
@@ -127,19 +127,21 @@ def _opened(path: Path) -> Iterator[Any]:
             raise InputError(f"{path}: a damaged picture ({error})") from error
 
 
-def _npy(path: Path) -> NDArray[Any]:
+def read_npy(path: Path, *, channels: bool = False) -> NDArray[Any]:
+    """Return (h, w) numbers, or (h, w, channels). Errors: InputError."""
     try:
         with opened(path, PICTURE_FILE) as file:
-            values = np.load(file, allow_pickle=False)
+            values: Any = np.load(file, allow_pickle=False)
     except InputError:
         raise
     except Exception as error:  # NumPy and Python's tokenizer raise many kinds for a damaged head
         raise InputError(f"{path}: not an .npy file of numbers ({' '.join(str(error).split())})") from error
-    if not isinstance(values, np.ndarray) or values.ndim == 3 and values.shape[2] != 1 or values.ndim not in (2, 3):
-        raise InputError(f"{path}: shape {getattr(values, 'shape', None)}; expected depth of (h, w)")
-    if values.dtype.kind not in "fiu":
-        raise InputError(f"{path}: {values.dtype}; expected numbers")
-    return values.reshape(values.shape[:2])
+    shape, kind = getattr(values, "shape", ()), getattr(values, "dtype", None)
+    fits = len(shape) == 3 if channels else len(shape) == 2 or shape[2:] == (1,)
+    if not fits or kind is None or kind.kind not in "fiu":
+        wanted = "(h, w, channels)" if channels else "(h, w)"
+        raise InputError(f"{path}: {kind} {shape}; expected numbers of {wanted}")
+    return np.asarray(values if channels else values.reshape(shape[:2]))
 
 
 class VideoPictures:
