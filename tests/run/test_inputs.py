@@ -24,10 +24,9 @@ HEADER = "time_ns,action,target,x,y,z,dx,dy,dz\n"
 
 
 def test_a_run_with_inputs_is_repeated_bit_for_bit(tmp_path):
-    usual = {**ACTED, "seconds": 1.0, "warp": "irradiance"}
+    usual = {**ACTED, "seconds": 1.0, "warp": "irradiance:updates=5"}
     first, again = (run(tmp_path / name, **usual, input="seed:9").summary for name in "ab")
-    other = run(tmp_path / "c", **usual).summary
-    assert first["digests"] == again["digests"] != other["digests"] and "input" not in other
+    assert first["digests"] == again["digests"] and first["input"]["answered"] > 0
 
 
 def test_the_response_time_is_the_latency_and_the_wait_for_pictures(tmp_path):
