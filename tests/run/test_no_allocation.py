@@ -23,12 +23,11 @@ WARM, THEN = 60, 60
 THEN_ON_GPU = 20  # not one of anything may be made, so that fewer refreshes tell it too
 # One with several samples a pixel, which take llvmpipe most of the time.
 RUNS = {
-    "as by default": {"scene": "planes", "warp": "forward", "fill": "interpolate", "samples": 4},
     **{
         f"{warp} + {fill}": {"scene": "planes", "warp": warp, "fill": fill}
         for warp, fill in (("backward", "interpolate"), ("mesh", "memory"))
     },
-    "multi + wide": {"scene": "planes", "warp": "multi", "fill": "wide"},
+    "multi + wide": {"scene": "planes", "warp": "multi", "fill": "wide", "samples": 4},
     "all effects": {"scene": "gallery", "warp": "forward", "fill": "interpolate"},
     "things that move": {"scene": "parade", "warp": "forward", "fill": "pyramid"},
     "mirrors": {"scene": "greenhouse", "warp": "forward", "fill": "none"},
