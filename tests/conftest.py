@@ -83,6 +83,7 @@ def what_modules_leave_is_frozen_or_freed():
         gc.collect()
         shared.forget_released()
         shared.give_back_memory()
+    contexts.shrink()
 
 
 @pytest.fixture(autouse=True)

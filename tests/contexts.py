@@ -6,10 +6,12 @@ next `Gpu()` of this process, which has thousands of them in a run of all tests.
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import moderngl
 
@@ -18,6 +20,7 @@ from hmdwarp.gpu.egl import VARIABLE
 
 _create, _release, _library = context.create_context, Gpu._release, context.ShaderLibrary
 _check = timers.check_clocks
+MOST_BYTES = 700 << 20  # of a worker: collecting all tests takes 500 MB, and what compiled programs grow to 500
 _idle: list[moderngl.Context] = []
 _made: set[moderngl.Context] = set()  # standalone ones; a window's belong to it
 
@@ -60,3 +63,12 @@ def _put_back(gpu: Gpu) -> None:
     gpu.gl.finish()
     gpu.gl.__exit__(None, None, None)
     return _idle.append(gpu.gl)
+
+
+def shrink() -> None:
+    """Release contexts that wait, with their compiled programs, once the process has grown."""
+    if int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") > MOST_BYTES:
+        while _idle:
+            _made.discard(idle := _idle.pop())
+            idle.release()
+        ctypes.CDLL(None).malloc_trim(0)

@@ -154,7 +154,7 @@ ROOMS = {
     "poses": (4500, 4500),
     "pipeline": (3700, 3700),
     "link frames": (3100, 3100),
-    "image check": (3314, 3200),
+    "image check": (3200, 3200),
     "gpu geometry headsets": (3100, 3100),
     "report": (4200, 4200),
     "experiments": (3200, 3200),
