@@ -99,6 +99,22 @@ def test_only_times_change(full, tmp_path, monkeypatch):
     assert untimed(again.data["rows"]) == untimed(full[1].data["rows"])
 
 
+def test_a_case_is_identified_by_content(tmp_path):
+    """The content of a trace counts, not its place; who runs it and where it goes do not."""
+    first, moved = tmp_path / "first.csv", tmp_path / "there" / "first.csv"
+    first.write_bytes((folder("recordings") / "look-around.csv").read_bytes())
+    options = attrs.evolve(TINY, recordings=(str(first),), latencies_ms=(50.0,), out=tmp_path / "out")
+    assert bench(options).swept.known == 0
+    moved.parent.mkdir()
+    first.rename(moved)
+    resumes = {"command": "hmdwarp bench", "workers": 1, "sweep": KeptOptions(resume=True)}
+    same = attrs.evolve(options, recordings=(str(moved),), **resumes)
+    assert bench(same).swept.known == 1
+    moved.write_bytes(moved.read_bytes() + b"\n")
+    assert bench(same).swept.known == 0
+    assert bench(attrs.evolve(same, instants=2)).swept.known == 0
+
+
 def test_baselines_are_named_and_another_librarys_warp_is_a_row(tmp_path):
     """Without latency every one of them shows the picture itself, to what bytes can tell."""
     pytest.importorskip("cv2")
@@ -160,19 +176,3 @@ def test_servers_of_other_rates_are_cases_of_their_own_with_the_errors_of_their_
     for number, value in rows[1]["at_instants"]["flip"].items():
         beside = [row["flip"] for row in replayed if row["frame"] == int(number)]
         assert any(value == pytest.approx(other, abs=1e-6) for other in beside), "one of the two eyes"
-
-
-def test_a_case_is_identified_by_content(tmp_path):
-    """The content of a trace counts, not its place; who runs it and where it goes do not."""
-    first, moved = tmp_path / "first.csv", tmp_path / "there" / "first.csv"
-    first.write_bytes((folder("recordings") / "look-around.csv").read_bytes())
-    options = attrs.evolve(TINY, recordings=(str(first),), latencies_ms=(50.0,), out=tmp_path / "out")
-    assert bench(options).swept.known == 0
-    moved.parent.mkdir()
-    first.rename(moved)
-    resumes = {"command": "hmdwarp bench", "workers": 1, "sweep": KeptOptions(resume=True)}
-    same = attrs.evolve(options, recordings=(str(moved),), **resumes)
-    assert bench(same).swept.known == 1
-    moved.write_bytes(moved.read_bytes() + b"\n")
-    assert bench(same).swept.known == 0
-    assert bench(attrs.evolve(same, instants=2)).swept.known == 0
