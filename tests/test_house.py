@@ -164,7 +164,7 @@ ROOMS = {
     "study": (10000, 10000),
     "": (15, 15),  # the modules beside the packages
 }
-TEST_LINES = (58316, 58000)
+TEST_LINES = (58000, 58000)
 DOC_WORDS = (55000, 55000)  # of docs/*.md as `wc -w` counts them
 
 
