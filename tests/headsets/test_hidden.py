@@ -85,7 +85,10 @@ def test_what_is_hidden_changes_no_figure(gpu):
     view = View(Pose(), SQUARE, hidden=Hidden((((-1, -1), (1, -1), (1, 0), (-1, 0)),), SQUARE))
     seen = view.seen((61, 67))
     pair = [np.where(seen[..., None], picture, np.uint8(0)) for picture in (shown, truth)]
-    half = measure(QualityJob(Compared(*pair, view), alike=alike_of(gpu, *pair))).values
+    late = {"covered": seen, "truth_inverse_depth": seen, "rendered": view, "rendered_size": (61, 67), "regions": True}
+    found = measure(QualityJob(Compared(*pair, view), alike=alike_of(gpu, *pair), **late))
+    half, counted = found.values, found.regions[:, 0]
+    assert counted.sum() == seen.sum() and counted[-1] > 0.9 * seen.sum()
     upper = [picture[seen.all(axis=1)] for picture in (shown, truth)]
     alone = measure(QualityJob(Compared(*upper, View(Pose(), SQUARE)), alike=alike_of(gpu, *upper))).values
     assert half["psnr_db"] == pytest.approx(alone["psnr_db"], abs=1e-9)

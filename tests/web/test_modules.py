@@ -41,9 +41,9 @@ def test_the_same_head_as_here(browser):
     ms = np.delete(np.arange(0, 6000, 1000 / 72), slice(310, 322))  # a gap
     places = [track.at(track.start_ns + round(at * 1e6)).pose for at in ms]
     p, q = (np.array([getattr(one, name) for one in places]) for name in ("position_m", "orientation_xyzw"))
-    p[200:203], q[200:203] = p[199], q[199]  # a tracker that repeats itself
+    p[200:206], q[200:206] = p[199], q[199]  # a tracker that repeats itself, until it counts as at rest
     seen = PoseTrack(np.round(ms * 1e6).astype(np.int64), p, q, name="seen", origin=track.origin, axes=track.axes)
-    asked = [(k, ahead) for k in (0, 2, 4, 9, 50, 201, 204, 300, 312, 316, 400) for ahead in (20.0, 90.0, 230.0)]
+    asked = [(k, ahead) for k in (0, 2, 4, 9, 50, 201, 204, 207, 300, 312, 316, 400) for ahead in (20.0, 90.0, 230.0)]
     times = (seen.time_ns * 1e-6).tolist()
     heads = np.column_stack([times, seen.position_m, seen.orientation_xyzw]).tolist()
     found = browser.does(f"({PREDICTED})({json.dumps(heads)}, {json.dumps([(times[k], a) for k, a in asked])})")
