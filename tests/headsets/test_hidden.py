@@ -126,6 +126,18 @@ def test_what_a_view_hides_is_a_hole_as_rendered_and_black_as_shown(gpu, by):
     np.testing.assert_allclose(out.colour[seen], 180, atol=1)
 
 
+def test_what_is_hidden_anew_turns_black(gpu):
+    """Where the picture before showed light: a runtime may change its mask."""
+    server, plan = Server(gpu, load_scene("room")), build_plan((), "iterative", "pyramid", "none", client_geometry=True)
+    client = Compensator(gpu, plan, None, SIZE, SIZE, hides=True)
+    for corner in (CORNER, tuple((-x, -y) for x, y in CORNER)):
+        view = View(Pose((0, 1.6, 0)), SQUARE, hidden=Hidden((corner,), SQUARE))
+        shown = read(client.run(PassInputs(server.draw(view, SIZE), view)).shown.texture)[..., :3]
+        assert not shown[~view.seen(SIZE)].any() and shown[view.seen(SIZE)].any()
+    client.close()
+    server.close()
+
+
 def test_the_mesh_of_a_runtime_is_kept_in_a_file(tmp_path):
     triangles_of = pytest.importorskip("hmdwarp.display.openxr.runtime").triangles_of
     # As XR_KHR_visibility_mask has it: on the plane z = -1, three indices a triangle.
