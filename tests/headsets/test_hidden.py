@@ -132,7 +132,7 @@ def test_what_is_hidden_anew_turns_black(gpu):
     client = Compensator(gpu, plan, None, SIZE, SIZE, hides=True)
     for corner in (CORNER, tuple((-x, -y) for x, y in CORNER)):
         view = View(Pose((0, 1.6, 0)), SQUARE, hidden=Hidden((corner,), SQUARE))
-        shown = read(client.run(PassInputs(server.draw(view, SIZE), view)).shown.texture)[..., :3]
+        shown = read(client.run(PassInputs(server.draw(view, SIZE), view)).shown.texture)[::-1, :, :3]
         assert not shown[~view.seen(SIZE)].any() and shown[view.seen(SIZE)].any()
     client.close()
     server.close()
