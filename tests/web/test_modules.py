@@ -109,6 +109,23 @@ async (pixels, truth) => {
 """
 
 
+PHONE = """
+async (angle, [alpha, beta, gamma]) => {
+  const { ByHand, rotate } = await import("./head.js");
+  const head = new ByHand(document.body, { position: [0, 0, 0], orientation: [0, 0, 0, 1] });
+  Object.defineProperty(screen, "orientation", { value: { angle }, configurable: true });
+  dispatchEvent(new DeviceOrientationEvent("deviceorientation", { alpha, beta, gamma }));
+  return [[0, 0, -1], [0, 1, 0]].flatMap((way) => rotate(head.at(0).orientation, way));
+}
+"""
+
+
+def test_a_phone_held_upright_looks_ahead_on_either_side(browser):
+    """To the north; its upper end up, left, right."""
+    for angle, turns in ((0, [0, 90, 0]), (90, [90, 0, -90]), (270, [270, 0, 90])):
+        assert browser.does(f"({PHONE})({angle}, {turns})") == pytest.approx([0, 0, -1, 0, 1, 0], abs=1e-9)
+
+
 @pytest.mark.parametrize("off", [0, 1, 60])
 def test_the_page_s_psnr_is_that_of_every_run(browser, off):
     """Of colours alone, whatever is in alpha; equal pictures have a finite one, for JSON."""
