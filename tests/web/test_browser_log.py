@@ -272,8 +272,6 @@ def test_a_replay_shows_what_the_page_showed(tmp_path, eyes):
             enter_vr_at_once(browser)
         browser.does("(async () => { while (!hmdwarp.session.shown) await stepped(1); })()")
         looked = [look_after(browser, 1) for _ in range(60)]
-        down, up = np.tan(looked[0]["views"][-1]["fov"][2:])
-        assert (up + down) / (up - down) == pytest.approx((eyes - 1) / 13, abs=1e-6)
         browser.does("hmdwarp.session.report.send(hmdwarp.session.time())")
         browser.does("hmdwarp.session.feed.close()")
         browser.until("hmdwarp.session.feed.socket.readyState === 3")
