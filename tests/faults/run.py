@@ -77,6 +77,8 @@ def copy_to(tree: Path) -> None:
         if (ROOT / name).is_file():
             (tree / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, tree / name, follow_symlinks=False)
+    if (ROOT / "build/npm").is_dir():  # without it tests of a headset's browser are skipped, and see nothing
+        shutil.copytree(ROOT / "build/npm", tree / "build/npm")
 
 
 def file_of(fault: dict) -> Path | None:
