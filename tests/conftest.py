@@ -152,13 +152,14 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Run slow tests first, the longest first of all: at the end none keeps one worker busy alone.
 
     Many of them wait more than they work, and the quick ones of the other worker fill that time.
+    Last with QUICK_FIRST, for who stops at the first failure.
     """
 
     def order(item: pytest.Item) -> float:
         slow = item.get_closest_marker("slow")
         return -(slow.args[0] if slow.args else USUALLY_SLOW_S) if slow is not None else 0.0
 
-    items.sort(key=order)
+    items.sort(key=order, reverse="QUICK_FIRST" in os.environ)
     if config.option.quick:
         chosen = _quick(items)
         config.hook.pytest_deselected(items=[item for item in items if item not in chosen])

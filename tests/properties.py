@@ -4,7 +4,9 @@ Without a profile Hypothesis chooses by the environment: where CI is not set, an
 200 ms.
 """
 
-from hypothesis import HealthCheck, settings
+import os
+
+from hypothesis import HealthCheck, Phase, settings
 
 # A slow machine or a slow strategy says nothing about the property.
 settings.register_profile(
@@ -14,6 +16,7 @@ settings.register_profile(
     database=None,
     deadline=None,
     print_blob=True,
+    phases=[Phase.explicit, Phase.generate] if "QUICK_FIRST" in os.environ else tuple(Phase),
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("hmdwarp")

@@ -163,6 +163,8 @@ def test_what_is_done_and_noted_is_told(name, warp, tmp_path):
         assert data["encoding"] == "linear"  # a frame for the next warp
         if name == "a repaired one":
             assert np.array_equal(data["coverage"] < 1, HOLE["depth_m"] == 0)
+            warp(frame, pose, *options, out="out.png").done()
+            assert (picture(tmp_path / "out.png")[..., 3] == 255).all()
 
 
 STEP = {"position_m": [0.4, 0, 0]}

@@ -75,6 +75,9 @@ def test_left_and_right_exchanged_give_the_mirrored_views(headset, head):
         assert mirrored.head_from_eye.matrix() == pytest.approx(wanted, abs=1e-15)
         left, right, *upright = eye.fov.tangents
         assert mirrored.fov.tangents == pytest.approx([-right, -left, *upright], abs=1e-15)
+        if eye.hidden:
+            seen, again = (one.hidden.seen(one.fov, (40, 40)) for one in (eye, mirrored))
+            assert np.mean(seen != again[:, ::-1]) < 0.01
     assert other.cants_deg == pytest.approx(headset.cants_deg[::-1])
     assert (other.across_deg, other.overlap_deg) == pytest.approx((headset.across_deg, headset.overlap_deg), abs=0.02)
     assert other.ipd_m == pytest.approx(headset.ipd_m)

@@ -85,7 +85,10 @@ def test_what_is_hidden_changes_no_figure(gpu):
     view = View(Pose(), SQUARE, hidden=Hidden((((-1, -1), (1, -1), (1, 0), (-1, 0)),), SQUARE))
     seen = view.seen((61, 67))
     pair = [np.where(seen[..., None], picture, np.uint8(0)) for picture in (shown, truth)]
-    half = measure(QualityJob(Compared(*pair, view), alike=alike_of(gpu, *pair))).values
+    late = {"covered": seen, "truth_inverse_depth": seen, "rendered": view, "rendered_size": (61, 67), "regions": True}
+    found = measure(QualityJob(Compared(*pair, view), alike=alike_of(gpu, *pair), **late))
+    half, counted = found.values, found.regions[:, 0]
+    assert counted.sum() == seen.sum() and counted[-1] > 0.9 * seen.sum()
     upper = [picture[seen.all(axis=1)] for picture in (shown, truth)]
     alone = measure(QualityJob(Compared(*upper, View(Pose(), SQUARE)), alike=alike_of(gpu, *upper))).values
     assert half["psnr_db"] == pytest.approx(alone["psnr_db"], abs=1e-9)
@@ -121,6 +124,18 @@ def test_what_a_view_hides_is_a_hole_as_rendered_and_black_as_shown(gpu, by):
     assert not out.colour[~seen].any() and 0.05 < 1 - seen.mean() < 0.2
     # A wall of one colour, from which 0.05 / 2 of a tangent of the right edge had been hidden.
     np.testing.assert_allclose(out.colour[seen], 180, atol=1)
+
+
+def test_what_is_hidden_anew_turns_black(gpu):
+    """Where the picture before showed light: a runtime may change its mask."""
+    server, plan = Server(gpu, load_scene("room")), build_plan((), "iterative", "pyramid", "none", client_geometry=True)
+    client = Compensator(gpu, plan, None, SIZE, SIZE, hides=True)
+    for corner in (CORNER, tuple((-x, -y) for x, y in CORNER)):
+        view = View(Pose((0, 1.6, 0)), SQUARE, hidden=Hidden((corner,), SQUARE))
+        shown = read(client.run(PassInputs(server.draw(view, SIZE), view)).shown.texture)[::-1, :, :3]
+        assert not shown[~view.seen(SIZE)].any() and shown[view.seen(SIZE)].any()
+    client.close()
+    server.close()
 
 
 def test_the_mesh_of_a_runtime_is_kept_in_a_file(tmp_path):

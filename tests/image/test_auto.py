@@ -32,7 +32,8 @@ def test_levels_are_usable_and_each_takes_longer_and_errs_less():
 @pytest.mark.parametrize("fill", ["pyramid", "memory+pyramid"])
 def test_it_is_the_chosen_level_bit_for_bit(monkeypatch, fill, gpu):
     """The best within an ample budget."""
-    levels = QualityLevel("none", "none", 1.0, 0.3), QualityLevel("iterative", fill, 2.0, 0.1)
+    chains = ("none", "none"), ("iterative", "none"), ("iterative", fill)
+    levels = [QualityLevel(*chain, 1.0 + k, 0.3 - 0.1 * k) for k, chain in enumerate(chains)]
     monkeypatch.setattr("hmdwarp.image.warper.LEVELS", levels)
     auto = {"warp": "auto", "budget_ms": AMPLE_MS, "gpu": gpu}
     with Warper(SIZE, **auto) as chosen, Warper(SIZE, fill=fill, gpu=gpu) as named:

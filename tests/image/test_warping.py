@@ -137,15 +137,15 @@ NO_DEPTHS = [0.0, -0.0, -1.0, -np.inf, np.nan]
 @pytest.mark.parametrize("warp", usable_warps())
 def test_pixels_without_depth_are_holes_that_are_counted_and_never_spread(warp):
     rng = np.random.default_rng(9)
-    colour, depth = halves(rng, (20, 16)), np.full((16, 20), 3.0)
-    places = [(2, 3), (2, 4), (8, 0), (15, 19), (7, 10)]
+    colour, depth = halves(rng, (22, 16)), np.full((16, 22), 3.0)
+    places = [(2, 3), (2, 4), (8, 0), (15, 21), (7, 10)]
     for place, nothing in zip(places, NO_DEPTHS, strict=True):
         depth[place] = nothing
     holes = ~(depth > 0)
     out = warp_image(colour, depth, view(), view(), warp)
     assert np.array_equal(out.coverage == 0, holes)
     assert np.array_equal(out.colour, np.where(holes[..., None], 0, colour))
-    assert out.hole_share == 5 / 320
+    assert out.hole_share == 5 / 352
 
 
 def test_the_picture_is_warped_and_complete_by_default():
@@ -315,10 +315,13 @@ def test_masked_pixels_are_holes(dtype):
     assert (wanted.coverage == 0).sum() >= 3
     channel = np.zeros_like(colour, bool)
     channel[..., 1] = holes
+    some = holes & (np.arange(12) < 5)[:, None]
+    both = np.ma.masked_array(colour, channel & some[..., None]), np.ma.masked_array(depth, holes & ~some)
     for masked in (
         warp_image(colour, np.ma.masked_array(depth, holes), view(), there),
         warp_image(np.ma.masked_array(colour, channel), depth, view(), there),
         warp_image(np.ma.masked_array(bad, np.repeat(holes[..., None], 3, axis=2)), depth, view(), there),
+        warp_image(*both, view(), there),
     ):
         assert np.array_equal(masked.coverage, wanted.coverage) and np.array_equal(masked.colour, wanted.colour)
 

@@ -182,6 +182,10 @@ def test_frames_carry_what_the_plan_needs_and_older_ones_are_of_the_same_eye(gpu
     with pipeline(gpu, UNEQUAL, warp="multi:frames=1,spacing=0,eye=own") as made:
         for one in shown_at(made, 4).inputs:
             assert [older.view.fov for older in one.others] == [one.rendered.view.fov]
+    with pipeline(gpu, UNEQUAL, warp="multi:frames=0") as made:
+        left, right = shown_at(made, 4).inputs
+        for one, other in ((left, right), (right, left)):
+            assert [beside.view.fov for beside in one.others] == [other.rendered.view.fov]
 
 
 def test_a_plan_beside_others_gets_only_what_it_needs(gpu):

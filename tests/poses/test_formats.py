@@ -74,6 +74,8 @@ def test_native_tells_origin_rate_and_what_was_done(tmp_path):
     path = tmp_path / "n.csv"
     path.write_text(text)
     assert load_trace(path).track.origin == "a test with a line break"
+    formats.get("native").write(head(70_000), stream)  # more than are written at a time
+    assert len(re.findall(r"^\d", stream.getvalue(), re.M)) == 70_100
 
 
 def test_frame_wxyz_is_found_by_its_shape_and_refused_where_the_motion_shows_w_last(tmp_path):

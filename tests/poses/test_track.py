@@ -99,10 +99,12 @@ def test_signs_and_lengths_are_mended_and_input_arrays_left_alone():
 def test_repeats_are_left_out_for_differentiating_with_jumps_kept_in_place():
     track = head(8)
     again = np.array([0, 0, 1, 2, 2, 2, 3, 4])
-    held = track.evolve(position_m=track.position_m[again], orientation_xyzw=track.orientation_xyzw[again], jumps=(5,))
+    held = track.evolve(
+        position_m=track.position_m[again], orientation_xyzw=track.orientation_xyzw[again], jumps=(2, 5)
+    )
     bare = held.without_repeats()
     assert bare.time_ns.tolist() == held.time_ns[[0, 2, 3, 6, 7]].tolist()
-    assert bare.jumps == (2,)
+    assert bare.jumps == (1, 2)
 
 
 @pytest.mark.parametrize(

@@ -276,6 +276,28 @@ def test_a_picture_of_videos_is_what_python_decodes(browser, rendered, video):
         assert np.percentile(off[drawn], 99) <= 4
 
 
+HEARD = """
+async (messages) => {
+  const { Feed } = await import("./feed.js"), known = [];
+  const feed = new (class extends Feed { open() {} })("", { frame() {}, told() {} });
+  for (const message of messages) {
+    feed.known = 3; // of what people did
+    feed.take(bytes(message).buffer);
+    known.push(feed.known);
+  }
+  return [known, feed.fates.map(({ number, arrived }) => [number, arrived])];
+}
+"""
+
+
+def test_frames_that_never_came_and_a_server_started_anew_are_noticed(browser):
+    picture = (View(STANDING, EYE),), (np.zeros((2, 2, 4), np.float16),), (np.zeros((2, 2), np.float32),)
+    more = {"layers": ({"panels": (np.zeros((1, 10), np.uint8),)},), "takes_session": True}
+    came = (FrameMessage(k, 0, 0, 0, 0, 0, *picture, began=began, **more) for k, began in ((1, 7), (4, 7), (5, 8)))
+    known, fates = browser.does(f"({HEARD})({json.dumps([base64.b64encode(encode(one)).decode() for one in came])})")
+    assert known == [0, 3, 0] and fates == [[1, True], [2, False], [3, False], [4, True], [5, True]]
+
+
 DEVICES = {
     "all in hardware": (["av1", "hevc", "vp9", "h264"], ["av1", "hevc", "vp9", "h264"], "auto", "av1 hevc vp9 h264"),
     "some in hardware": (["av1", "vp9", "h264"], ["vp9"], "auto", "vp9 h264"),

@@ -41,9 +41,9 @@ def test_the_same_head_as_here(browser):
     ms = np.delete(np.arange(0, 6000, 1000 / 72), slice(310, 322))  # a gap
     places = [track.at(track.start_ns + round(at * 1e6)).pose for at in ms]
     p, q = (np.array([getattr(one, name) for one in places]) for name in ("position_m", "orientation_xyzw"))
-    p[200:203], q[200:203] = p[199], q[199]  # a tracker that repeats itself
+    p[200:206], q[200:206] = p[199], q[199]  # a tracker that repeats itself, until it counts as at rest
     seen = PoseTrack(np.round(ms * 1e6).astype(np.int64), p, q, name="seen", origin=track.origin, axes=track.axes)
-    asked = [(k, ahead) for k in (0, 2, 4, 9, 50, 201, 204, 300, 312, 316, 400) for ahead in (20.0, 90.0, 230.0)]
+    asked = [(k, ahead) for k in (0, 2, 4, 9, 50, 201, 204, 207, 300, 312, 316, 400) for ahead in (20.0, 90.0, 230.0)]
     times = (seen.time_ns * 1e-6).tolist()
     heads = np.column_stack([times, seen.position_m, seen.orientation_xyzw]).tolist()
     found = browser.does(f"({PREDICTED})({json.dumps(heads)}, {json.dumps([(times[k], a) for k, a in asked])})")
@@ -107,6 +107,23 @@ async (pixels, truth) => {
   return psnr(new Uint8Array(pixels), new Uint8Array(truth));
 }
 """
+
+
+PHONE = """
+async (angle, [alpha, beta, gamma]) => {
+  const { ByHand, rotate } = await import("./head.js");
+  const head = new ByHand(document.body, { position: [0, 0, 0], orientation: [0, 0, 0, 1] });
+  Object.defineProperty(screen, "orientation", { value: { angle }, configurable: true });
+  dispatchEvent(new DeviceOrientationEvent("deviceorientation", { alpha, beta, gamma }));
+  return [[0, 0, -1], [0, 1, 0]].flatMap((way) => rotate(head.at(0).orientation, way));
+}
+"""
+
+
+def test_a_phone_held_upright_looks_ahead_on_either_side(browser):
+    """To the north; its upper end up, left, right."""
+    for angle, turns in ((0, [0, 90, 0]), (90, [90, 0, -90]), (270, [270, 0, 90])):
+        assert browser.does(f"({PHONE})({angle}, {turns})") == pytest.approx([0, 0, -1, 0, 1, 0], abs=1e-9)
 
 
 @pytest.mark.parametrize("off", [0, 1, 60])

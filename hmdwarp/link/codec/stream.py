@@ -189,7 +189,7 @@ class ColourEncoder:
     """Encode pictures of one size.
 
     crf: constant quality, lower is better; or bitrate_mbit: that many Mbit/s, kept to within 4
-    pictures. Errors: as VideoEncoder.
+    pictures (av1 and vp9: about 20). Errors: as VideoEncoder.
     """
 
     def __init__(self, codec: Codec, size: Size, rate_hz: float, crf: int | None, bitrate_mbit: float | None) -> None:
@@ -201,6 +201,8 @@ class ColourEncoder:
                 "maxrate": str(bits),
                 "bufsize": str(max(1, round(_VBV_FRAMES * bits / rate_hz))),
             }
+            if codec.encoder == "libvpx-vp9":  # with no least rate it spends for long what still pictures saved
+                quality["minrate"] = str(bits)
         self._video = VideoEncoder(codec, size, rate_hz, "yuv420p", quality)
 
     def encode(self, picture: NDArray[np.uint8], key: bool) -> tuple[bytes, bool]:

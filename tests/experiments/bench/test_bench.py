@@ -9,6 +9,7 @@ import csv
 import json
 
 import attrs
+import numpy as np
 import pytest
 from replays import contents, run
 
@@ -158,6 +159,8 @@ def test_crops_are_of_the_best_of_each_warp_where_it_is_worst_and_where_typical(
         assert worst.flips[0] == pytest.approx(max(best["at_instants"]["flip"].values()), abs=1e-6)
         assert typical.flips[0] == pytest.approx(min(best["at_instants"]["flip"].values()), abs=1e-6)
         assert sorted(name.split(" + ")[0] for name in worst.names) == sorted(SMALL.warps)
+        left, top, side = (round(96 * share) for share in worst.place)  # the truth is small as it is
+        assert np.array_equal(worst.truth[top : top + side, left : left + side], worst.shown[0])
         assert worst.shown.shape[0] == 1 + len(SMALL.warps) and worst.shown.shape[1:] == worst.errors.shape[1:] + (3,)
     assert result.report.read_text(encoding="utf-8").count("worst instant") >= 2
 
@@ -173,6 +176,7 @@ def test_servers_of_other_rates_are_cases_of_their_own_with_the_errors_of_their_
     network = LinkOptions(server_rate_hz=25.0)
     how = {"warp": "none", "latency_ms": 100.0, "network": network, "metrics_every": 1, **same}
     replayed = run(tmp_path / "replay", **how).rows
-    for number, value in rows[1]["at_instants"]["flip"].items():
-        beside = [row["flip"] for row in replayed if row["frame"] == int(number)]
-        assert any(value == pytest.approx(other, abs=1e-6) for other in beside), "one of the two eyes"
+    at = rows[1]["at_instants"]
+    for number in at["flip"]:
+        eyes = [[row["flip"], row["flicker"]] for row in replayed if row["frame"] == int(number)]
+        assert [at["flip"][number], at["flicker"][number]] in [pytest.approx(eye, abs=1e-6) for eye in eyes]

@@ -287,6 +287,12 @@ def test_where_the_first_pixel_has_its_middle(folder):
         assert sequences.open(folder).frames[0].fov.tangents == pytest.approx(fov_of().tangents, abs=1e-12)
 
 
+def test_what_a_frame_says_is_stronger_than_what_all_share(tmp_path):
+    edited(tmp_path, "pictures", {"1.json": {"intrinsics": [2 * FX, FY, CX, CY]}})
+    shared, own = (frame.fov.tangents for frame in sequences.open(tmp_path).frames)
+    assert np.ptp(own[:2]) == pytest.approx(np.ptp(shared[:2]) / 2)
+
+
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_projection_matrix_states_the_camera(turned, folder):
     """That of the frames' own intrinsics, as OpenGL has it, by rows or columns."""

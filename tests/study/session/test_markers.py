@@ -20,7 +20,7 @@ from run.offscreen import PERIOD_NS
 
 from hmdwarp.base import MachineError
 from hmdwarp.display.offscreen import AHEAD
-from hmdwarp.study.dialogs.dialog_panels import MessagePanel
+from hmdwarp.study.dialogs.dialog_panels import MessagePanel, QuestionPanel
 from hmdwarp.study.session.markers import MarkerStream
 
 from .sessions import Person, contents, run, study, whole
@@ -167,6 +167,9 @@ def test_a_recorder_gets_trials_answers_and_conditions_at_the_instants_of_the_pi
     instants = np.array([(part[0], part[-1]) for part in np.split(np.array(pictures), breaks)][1:])
     stamps = np.array([[start["stamp"], end["stamp"]] for start, end in zip(starts, ends, strict=True)])
     assert stamps - stamps[0, 0] == pytest.approx((instants - instants[0, 0]) * 1e-9, abs=ROUNDING_S)
+    asked = [at_ns for at_ns, _, panel in ran.display.handed if isinstance(panel, QuestionPanel)][1:]  # after practice
+    answered = np.array([marker["stamp"] for marker in markers if marker["event"] == "answer"])
+    assert answered - stamps[0, 0] == pytest.approx((np.array(asked) - instants[0, 0]) * 1e-9, abs=ROUNDING_S)
     in_order = [marker["stamp"] for marker in markers if marker["event"] != "trial_end"]
     assert in_order == sorted(in_order)
     simulated = "stream 'hmdwarp study small'; the clock of this display is simulated"
