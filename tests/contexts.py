@@ -6,7 +6,6 @@ next `Gpu()` of this process, which has thousands of them in a run of all tests.
 
 from __future__ import annotations
 
-import ctypes
 import functools
 import os
 from collections.abc import Iterator
@@ -66,9 +65,10 @@ def _put_back(gpu: Gpu) -> None:
 
 
 def shrink() -> None:
-    """Release contexts that wait, with their compiled programs, once the process has grown."""
-    if int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") > MOST_BYTES:
+    """On Linux, release contexts that wait, with their programs, once the process has grown."""
+    statm = Path("/proc/self/statm")
+    if statm.exists() and int(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") > MOST_BYTES:
         while _idle:
             _made.discard(idle := _idle.pop())
             idle.release()
-        ctypes.CDLL(None).malloc_trim(0)
+        context._heap_trim()(0)

@@ -196,13 +196,8 @@ class ColourEncoder:
         quality = {"crf": str(codec.crf if crf is None else max(crf, codec.best))}
         if bitrate_mbit is not None:
             bits = round(bitrate_mbit * 1e6)
-            quality = {
-                "b": str(bits),
-                "maxrate": str(bits),
-                "bufsize": str(max(1, round(_VBV_FRAMES * bits / rate_hz))),
-            }
-            if codec.encoder == "libvpx-vp9":  # with no least rate it spends for long what still pictures saved
-                quality["minrate"] = str(bits)
+            quality = dict.fromkeys(codec.rates, str(bits))
+            quality["bufsize"] = str(max(1, round(_VBV_FRAMES * bits / rate_hz)))
         self._video = VideoEncoder(codec, size, rate_hz, "yuv420p", quality)
 
     def encode(self, picture: NDArray[np.uint8], key: bool) -> tuple[bytes, bool]:

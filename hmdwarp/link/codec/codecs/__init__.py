@@ -25,6 +25,7 @@ class Codec:
     best: int = 0  # the best one that it takes
     threads: int = 1  # fixed, because the slices, and so the bytes, depend on it
     options: Mapping[str, str] = attrs.field(factory=dict)  # of the encoder, besides quality
+    rates: tuple[str, ...] = ("b", "maxrate")  # options that a bit rate sets
     # What is otherwise for pictures of more than LARGE pixels.
     large: Mapping[str, str] = attrs.field(factory=dict)
 
