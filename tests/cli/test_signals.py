@@ -9,9 +9,9 @@ import time
 
 import numpy as np
 import pytest
+from display.virtual_screen import VirtualScreen, needs_a_screen
 
 from hmdwarp.poses import load_trace, synthesise
-from hmdwarp.run import RecordOptions, record
 
 from .conftest import PROGRAM, ROOT, complaints
 
@@ -51,6 +51,7 @@ def replaying(tmp_path):
 @pytest.mark.parametrize(
     ("kill", "number", "status", "told"),
     [
+        (os.kill, signal.SIGINT, 130, "interrupted"),
         (os.killpg, signal.SIGINT, 130, "interrupted"),  # its whole group, as the terminal does
         (os.kill, signal.SIGTERM, 143, "ended by SIGTERM"),
         (os.killpg, signal.SIGHUP, 129, "ended by SIGHUP"),
@@ -100,6 +101,19 @@ except (_signals.Ended, KeyboardInterrupt) as error:
     assert (done.stdout, done.stderr) == (f"ended by{number}\n", "")
 
 
+def program(*arguments: object, **environment: str) -> subprocess.Popen:
+    settings = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
+    command = [*PROGRAM, "record", *map(str, arguments)]
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=settings, start_new_session=True
+    )
+
+
+def until_rows(path, count: int, process: subprocess.Popen) -> None:
+    wait_for(lambda: path.is_file() and path.read_text().count("\n") >= 6 + count or process.poll() is not None)
+    assert process.poll() is None, process.communicate()
+
+
 def test_a_made_up_head_takes_its_time_and_is_what_synth_makes(tmp_path, command):
     out = tmp_path / "walk.csv"
     began = time.monotonic()
@@ -119,30 +133,40 @@ def test_a_made_up_head_takes_its_time_and_is_what_synth_makes(tmp_path, command
     assert track.origin == "hmdwarp record, synthetic motion 'walk'"
 
 
-@pytest.mark.parametrize("number, status", [(signal.SIGINT, 0), (signal.SIGHUP, 129)])
+@pytest.mark.parametrize("number, status", [(signal.SIGINT, 0), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_a_signal_ends_it_with_everything_written(tmp_path, number, status):
-    out = tmp_path / "a.csv"
-    process = subprocess.Popen(
-        [*PROGRAM, "record", "--source", "synthetic", "--out", str(out)], stderr=subprocess.PIPE, text=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT)}, start_new_session=True,
-    )  # fmt: skip
+    process = program("--source", "synthetic", "--out", tmp_path / "a.csv")
     try:
-        wait_for(lambda: out.is_file() and out.read_text().count("\n") >= 26 or process.poll() is not None)
+        until_rows(tmp_path / "a.csv", 20, process)
         process.send_signal(number)
         _, err = process.communicate(timeout=TIMEOUT_S)
     finally:
         process.kill()
     assert process.returncode == status
-    track = load_trace(out).track
-    assert f"{out}: {len(track)} poses, {track.duration_ns * 1e-9:.3f} s\n" in err
+    track = load_trace(tmp_path / "a.csv").track
+    assert f"{tmp_path / 'a.csv'}: {len(track)} poses, {track.duration_ns * 1e-9:.3f} s\n" in err
     assert len(track) < 30 * 90  # synthetic motion would have gone on for 30 s
 
 
-def test_a_window_records_who_moves_in_it(monkeypatch, tmp_path):
-    """By a live run that shows the scene as it is; tests/display has those."""
-    ran, out = [], tmp_path / "walk.csv"
-    monkeypatch.setattr("hmdwarp.run.live_run.live", lambda options, say: ran.append(options))
-    record(RecordOptions(source="desktop", scene="planes", out=out, seconds=2.0))
-    (live,) = ran
-    assert (live.source, live.scene, live.record, live.seconds) == ("desktop", "planes", out, 2.0)
-    assert (live.warp, live.fill, live.latency_ms) == ("none", "none", 0)
+@needs_a_screen
+def test_a_window_records_who_moves_in_it(tmp_path):
+    out = tmp_path / "walk.csv"
+    with VirtualScreen(tmp_path, (640, 480)) as screen:
+        process = program("--source", "desktop", "--scene", "planes", "--out", out, **screen.environment)
+        try:
+            until_rows(out, 10, process)
+            screen.do("mousemove", 320, 240, "click", 1)
+            screen.do("keydown", "w")
+            rows = out.read_text().count("\n")
+            until_rows(out, rows + 20, process)
+            screen.do("keyup", "w")
+            process.send_signal(signal.SIGINT)
+            _, err = process.communicate(timeout=TIMEOUT_S)
+        finally:
+            process.kill()
+    assert process.returncode == 0, err
+    track = load_trace(out).track
+    assert f"{out}: {len(track)} poses" in err
+    assert track.origin.startswith("hmdwarp live, display 'window'")
+    forward = track.position_m[0, 2] - track.position_m[-1, 2]
+    assert forward > 0.05  # -z is forward

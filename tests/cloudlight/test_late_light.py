@@ -1,5 +1,5 @@
 """Light that is late on the client, beside direct light of now: an atlas of irradiance, whole at
-each update, and photons, splatted and kept.
+each update, and photons, splatted and kept whatever the link does.
 """
 
 from __future__ import annotations
@@ -131,6 +131,20 @@ LIT = [name for name in scenes.names() if scenes.get(name).build().lamps]
 
 def frame_of(geometry, time_ns, updates=10.0):
     return geometry.server.draw_frame([HERE, HERE], time_ns, SIZE, needs=Needs(irradiance=updates))
+
+
+def test_lost_photons_are_sent_again_and_still_light_once(gpu):
+    """Every third frame is lost. Afterwards nothing is left to send, as long as no light moves."""
+    scene = with_lamps_stopped(load_scene("lantern"))
+    whole, torn = ClientScene(gpu, scene), ClientScene(gpu, scene)
+    wanted = PhotonMap(budget=4000, paths=1024)
+    receive(whole, frames_of(whole, 0, wanted), wanted)
+    receive(torn, frames_of(torn, 0, wanted, lambda number: number % 3 != 1), wanted)
+    spec = "photons:budget=4000,paths=1024"
+    assert np.array_equal(shown(gpu, whole, 0, spec)[0], shown(gpu, torn, 0, spec)[0])
+    for geometry in (whole, torn):
+        (last,) = frames_of(geometry, 1_000_000_000, wanted)
+        assert len(last) == CUBE_BYTES, "no bundle"
 
 
 @pytest.mark.parametrize("scene", LIT)

@@ -48,12 +48,19 @@ class Controllers:
     """The display and both controllers, which are connected from now on.
 
     What is held goes by frames as if each took PERIOD_NS, so that a busy machine changes nothing.
+    real_ns: the times that the display took for them.
     """
 
     def __init__(self, display: OpenXrDisplay, remote: RemoteHead) -> None:
         self.display, self._remote = display, remote
-        sync, count = display._connection.actions.sync, itertools.count(1)
-        display._connection.actions.sync = lambda now_ns, shown: sync(next(count) * PERIOD_NS, shown)
+        self.real_ns: list[int] = []
+        sync = display._connection.actions.sync
+
+        def counted(now_ns: int, shown: int) -> None:
+            self.real_ns.append(now_ns)
+            sync(len(self.real_ns) * PERIOD_NS, shown)
+
+        display._connection.actions.sync = counted
         for hand in ("left", "right"):
             self.set(hand)
         self.frames(3)
@@ -111,10 +118,21 @@ def test_each_button_is_one_command(hands):
 
 def test_the_stick_steps_and_goes_on(hands):
     assert hands.press("left", thumbstick_x=0.3) == []
-    assert hands.hold("left", frames=10, thumbstick_x=-1) == ["left"] * 2  # again after 450 ms
+    assert hands.hold("left", frames=9, thumbstick_x=-1) == ["left"]  # the last of them 400 ms after the first
+    # The next at 450 ms, then at the first frame after 120 ms each: 600, 750, 900 ms.
+    assert [hands.hold("left", frames=1) for _ in range(10)] == [["left"], [], []] * 3 + [["left"]]
     assert hands.hold("left", thumbstick_x=0) == []
     assert hands.hold("right", frames=4, thumbstick_y=1) == ["up"]
     assert hands.hold("right", frames=4, thumbstick_x=0.9, thumbstick_y=0) == ["right"]
+
+
+def test_held_keys_go_by_the_clock_of_the_display(hands, display):
+    hands.real_ns.clear()
+    for _ in range(5):
+        before_ns = display.now_ns()
+        hands.frames(1)
+        assert before_ns <= hands.real_ns[-1] <= display.now_ns()
+    assert hands.real_ns == sorted(set(hands.real_ns))
 
 
 def test_after_a_reconnection_they_are_heard_again(display, monado):

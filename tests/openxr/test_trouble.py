@@ -16,30 +16,40 @@ from hmdwarp.poses import load_trace
 from hmdwarp.report import validate_summary
 
 from .live_runs import Here, Program, quick
+from .monado import UNSEEN, WOBBLING
 
 pytestmark = pytest.mark.usefixtures("no_screen")
 
 
-ENDS = {  # what it is started with, its exit status, what it says
-    "killed": (("--reconnect", "0.5"), 3, "went away"),
-    "hangs": (("--hang", "10"), 3, "hmdwarp: .*has not answered"),
-    "interrupted": ((), 0, ""),
+def test_a_run_whose_service_is_not_started_says_so(runtime, tmp_path):
+    runtime(WOBBLING, UNSEEN)
+    with Program(tmp_path) as program:
+        status, told = program.ended()
+    assert status == 3 and "service does not answer" in told and "Traceback" not in told
+    assert not program.recording.exists()
+
+
+ENDS = {  # what it is started with, how it may end, what it says
+    "killed": (("--reconnect", "0.5"), (3,), "went away"),
+    "hangs": (("--hang", "10"), (3,), "hmdwarp: .*has not answered"),
+    "SIGINT": ((), (0,), ""),
+    "SIGTERM": ((), (-signal.SIGTERM, 128 + signal.SIGTERM), ""),
 }
 
 
 @pytest.mark.parametrize("what", ENDS)
 def test_whatever_ends_it_everything_is_written(wobbling, tmp_path, what):
-    options, expected, words = ENDS[what]
+    options, statuses, words = ENDS[what]
     with Program(tmp_path, "--out", str(out := tmp_path / "out"), *options) as program:
         program.until_recorded(5)
-        if what == "interrupted":
-            program.send(signal.SIGINT)
+        if what.startswith("SIG"):
+            program.send(signal.Signals[what])
         else:
             wobbling.kill() if what == "killed" else wobbling.process.send(signal.SIGSTOP)
         status, told = program.ended()
     if what == "hangs":
         wobbling.process.send(signal.SIGCONT)
-    assert status == expected and re.search(words, told)
+    assert status in statuses and re.search(words, told)
     assert "Traceback" not in told and told.count("has not answered") == (what == "hangs")
     trace = load_trace(str(program.recording))
     # A busy machine may make it slow, and slow for a moment: the rate and gaps are the machine's,
@@ -47,7 +57,7 @@ def test_whatever_ends_it_everything_is_written(wobbling, tmp_path, what):
     assert {defect.kind for defect in trace.defects} <= {"rate-implausible", "gap"}
     summary = json.loads((out / "summary.json").read_text())
     validate_summary(summary)
-    if what == "interrupted":
+    if what.startswith("SIG"):
         assert summary["frames"] == trace.track.time_ns.size
         with (out / "frames.csv").open(newline="") as file:
             assert len(list(csv.DictReader(file))) == 2 * summary["frames"]

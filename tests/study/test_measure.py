@@ -13,6 +13,7 @@ from replays import CHEAPER, scene_for
 from together import together
 
 from hmdwarp.base import InputError
+from hmdwarp.experiments.sweep import ClusterOptions
 from hmdwarp.metrics import QUALITY
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.formats import write_native
@@ -69,7 +70,7 @@ def store(tmp_path):
 @pytest.mark.slow(20)
 def test_a_condition_shows_each_strategy(tmp_path):
     """What was shown is what is measured: the strategy's warp, fill, light and link."""
-    names = ("imposter", "depth_image", "model", "views")
+    names = ("imposter", "depth_image", "model", "proxy", "views", "irradiance")
     head = TEXT[: TEXT.index("[[condition]]")].replace('scene = "planes"\n', "").replace("= 0.5", "= 0.2")
     conditions = [
         f'[[condition]]\nname = "{name}"\nstrategy = "{CHEAPER.get(name, name)}"\n'
@@ -155,6 +156,15 @@ def test_an_aborted_measurement_resumes_and_a_missing_or_wrong_trace_is_reported
     (store.traces / missing[1].trace).write_text(trace, encoding="utf-8")
     found = measure_study(store, OPTIONS)
     assert (found.measured, found.known) == (1, 1)
+
+
+def test_a_cluster_measures_the_same(store):
+    """The traces cross to workers, which know nothing of the store."""
+    pytest.importorskip("distributed")
+    assert measure_study(store, attrs.evolve(OPTIONS, where=ClusterOptions(cluster="local:1"))).measured == 3
+    there = measured_of(store)
+    assert measure_study(store, attrs.evolve(OPTIONS, again=True)).measured == 3
+    assert measured_of(store) == there
 
 
 def test_a_warp_chosen_by_the_machine_is_not_made_up(store, tmp_path):

@@ -36,7 +36,7 @@ def begun(path: Path):
         program.communicate()
 
 
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGHUP, 129)])
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_a_signal_in_mid_trial(path, number, status):
     text = path.read_text(encoding="utf-8").replace('"96x120"', '"24x30"')
     path.write_text(text.replace("seconds = 0.1", "seconds = 3600"), encoding="utf-8")  # nobody sees the end of it
