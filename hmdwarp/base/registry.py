@@ -13,6 +13,7 @@ from __future__ import annotations
 import functools
 import importlib
 import pkgutil
+import sys
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from operator import attrgetter
@@ -130,10 +131,16 @@ class Registry(Generic[T]):
 
 @functools.cache
 def _entry_points(group: str) -> dict[str, importlib.metadata.EntryPoint]:
-    import importlib.metadata  # --help, which asks for no entry, does not wait for it
+    from importlib.metadata import EntryPoint  # --help, which asks for no entry, does not wait for it
 
-    own = (importlib.metadata.EntryPoint(name, module, group) for name, module in own_entries(group).items())
-    return {point.name: point for point in (*own, *importlib.metadata.entry_points(group=group))}
+    own = (EntryPoint(name, module, group) for name, module in own_entries(group).items())
+    return {point.name: point for point in (*own, *_installed(tuple(sys.path)).select(group=group))}
+
+
+@functools.cache
+def _installed(folders: tuple[str, ...]) -> Any:
+    """Return all entry points of the packages in these folders, which takes 15 ms."""
+    return importlib.metadata.entry_points()
 
 
 @functools.cache

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 import attrs
@@ -415,9 +415,16 @@ def _in_triangle(place: Array) -> Array:
     Each digit, base 4, chooses one of the quarters into which its middles divide it.
     Source: Basu and Owen 2015, Low discrepancy constructions in the triangle.
     """
-    digits = []
+    count = 4**_TRIANGLE_DIGITS
+    return np.asarray(_path_through_triangle()[np.minimum(place * count, count - 1).astype(int)])
+
+
+@cache
+def _path_through_triangle() -> Array:
+    """Return the weights of each place with other digits."""
+    digits, place = [], np.arange(4**_TRIANGLE_DIGITS) / 4**_TRIANGLE_DIGITS
     for _ in range(_TRIANGLE_DIGITS):
-        digits.append(np.minimum(np.floor(4 * place), 3).astype(int))
+        digits.append(np.floor(4 * place).astype(int))
         place = 4 * place - digits[-1]
     # Three times the middle of the last quarter, in weights of the corners of the one before, and
     # so on back to the triangle's: halves of whole numbers, so exact.

@@ -169,6 +169,7 @@ def _patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> _Patches
     return _Patches(texels.astype(np.int64), rest[0], rest[1], rest[2], rest[3], rest[4].astype(np.int64))
 
 
+@lru_cache(maxsize=64)  # what moves has the same textures at each instant
 def mean_colour(texture: Texture) -> Array:
     """Return the mean light of a texture, linear RGB."""
     image = texture.image[..., :3]
@@ -196,6 +197,18 @@ class _Receivers:
     patches: _Patches
     blockers: _Blockers
     atlas: Array  # (triangles, 3, 2) places of the blockers' corners in the light atlas
+    still: _Receivers | None = None  # the first of them, where others follow that move
+
+    def arriving(self, place: Array) -> Array:
+        """Return (len(LOOKED_AT), n) the share of a lamp's light that comes there on each patch.
+
+        place: as of lamps_at(). The shadows among what stands still are looked up once.
+        """
+        if self.still is None:
+            return _arriving(self, place.tobytes())
+        own, moved = len(self.still.patches), _Blockers(self.blockers.corners[len(self.still.blockers.corners) :])
+        first = _shares(moved, self.patches, slice(own), place, self.still.arriving(place) > 0)
+        return np.concatenate([first, _shares(self.blockers, self.patches, slice(own, None), place)], axis=1)
 
     @cached_property
     def _number(self) -> NDArray[np.int64]:
@@ -271,9 +284,9 @@ class Transport:
 
         lamps: as lamps_at() returns them.
         """
-        total = np.zeros((len(self.patches), 3))
-        for across, up in LOOKED_AT:
-            total += direct_light(self.blockers, self.patches.at(across, up), self.patches.normals, lamps)
+        total, every = np.zeros((len(self.patches), 3)), [self.receivers.arriving(place) for place, _ in lamps]
+        for shares in zip(*every, strict=True):
+            total += sum(share[:, None] * np.array(colour) for share, (_, colour) in zip(shares, lamps, strict=True))
         return total / len(LOOKED_AT)
 
     @cached_property
@@ -330,15 +343,39 @@ def direct_light(blockers: _Blockers, points: Array, normals: Array, lamps: Sequ
     """Return (n, 3) what lamps give to points with those normals; 0 in shadow."""
     total = np.zeros((len(points), 3))
     for place, colour in lamps:
-        ways = place[:3] - points * place[3]
-        square = np.maximum((ways**2).sum(axis=1), 1e-12)
-        cosine = np.maximum((ways * normals).sum(axis=1) / np.sqrt(square), 0)
-        falls = 1 / np.maximum(square, NEAREST_M**2) if place[3] else np.ones(len(points))
-        fades = faded(place, -ways / np.sqrt(square)[:, None])
-        seen = (cosine > 0) & (fades > 0)
-        seen[seen] = ~blockers.stop(points[seen], ways[seen], 1.0 if place[3] else np.inf)
-        total += (cosine * falls * fades * seen)[:, None] * np.array(colour)
+        total += _share(blockers, points, normals, place)[:, None] * np.array(colour)
     return total
+
+
+def _share(
+    blockers: _Blockers, points: Array, normals: Array, place: Array, lit: NDArray[np.bool_] | None = None
+) -> Array:
+    """Return (n,) the share of a lamp's light that points get. lit: False where that is none."""
+    ways = place[:3] - points * place[3]
+    square = np.maximum((ways**2).sum(axis=1), 1e-12)
+    cosine = np.maximum((ways * normals).sum(axis=1) / np.sqrt(square), 0)
+    falls = 1 / np.maximum(square, NEAREST_M**2) if place[3] else np.ones(len(points))
+    fades = faded(place, -ways / np.sqrt(square)[:, None])
+    seen = (cosine > 0) & (fades > 0) & (True if lit is None else lit)
+    seen[seen] = ~blockers.stop(points[seen], ways[seen], 1.0 if place[3] else np.inf)
+    return np.asarray(cosine * falls * fades * seen)
+
+
+def _shares(
+    blockers: _Blockers, patches: _Patches, which: slice, place: Array, lit: NDArray[np.bool_] | None = None
+) -> Array:
+    """Return (len(LOOKED_AT), n) of _share on some patches."""
+    points = patches.at(*LOOKED_AT.T[..., None, None])[:, which].reshape(-1, 3)
+    normals = np.tile(patches.normals[which], (len(LOOKED_AT), 1))
+    share = _share(blockers, points, normals, place, None if lit is None else lit.ravel())
+    return share.reshape(len(LOOKED_AT), -1)
+
+
+@lru_cache(maxsize=32)  # 150 kB each; runs of one scene look at the same instants
+def _arriving(receivers: _Receivers, place: bytes) -> Array:
+    share = _shares(receivers.blockers, receivers.patches, slice(None), np.frombuffer(place))
+    share.flags.writeable = False
+    return share
 
 
 def faded(place: Array, ways: Array) -> Array:
@@ -394,7 +431,7 @@ def _joined(first: _Receivers, other: _Receivers) -> _Receivers:
     corners, atlas = (
         np.concatenate(pair) for pair in ((first.blockers.corners, other.blockers.corners), (first.atlas, other.atlas))
     )
-    return _Receivers(patches, _Blockers(corners), atlas)
+    return _Receivers(patches, _Blockers(corners), atlas, first)
 
 
 def transport_of(scene: Scene, folder: Path | None = None, rays: int = RAYS, *, time_ns: int = 0) -> Transport:
@@ -442,7 +479,7 @@ def _near(rays: _Rays, points: Array) -> tuple[NDArray[np.int64], ...]:
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     square = float(((points - centre) ** 2).sum(axis=1).max()) * (1 + 1e-9)
     to_centre = centre - rays.starts
-    along, apart = (to_centre * rays.ways).sum(axis=2), (to_centre**2).sum(axis=2)
+    along, apart = (np.einsum("nrk,nrk->nr", to_centre, other) for other in (rays.ways, to_centre))
     return np.nonzero((apart - along**2 <= square) & ((along > 0) | (apart <= square)))
 
 

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import attrs
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike, NDArray
 
 from ..base import NO_NUMBERS, InputError, in_brief
@@ -281,11 +282,9 @@ class Hidden:
         # 1e-9: margins of whole pixels must not gain one by rounding.
         pads = [math.ceil(margin * per[side // 2] - 1e-9) for side, margin in enumerate(self.margins)]
         if (reach := pads[0] + pads[1] + 1) > 1:  # columns that are needed if one of these is seen
-            from scipy.ndimage import maximum_filter1d, minimum_filter1d
-
-            origin = pads[1] - reach // 2
-            first = minimum_filter1d(first, reach, mode="constant", cval=size[1], origin=origin)
-            last = maximum_filter1d(last, reach, mode="constant", cval=0, origin=origin)
+            pad = pads[1], pads[0]
+            first = sliding_window_view(np.pad(first, pad, constant_values=size[1]), reach).min(axis=1)
+            last = sliding_window_view(np.pad(last, pad), reach).max(axis=1)
         found = np.stack([np.maximum(first - pads[2], 0), np.minimum(last + pads[3], size[1])], axis=1)
         made = self._known[fov, size] = np.where(found[:, :1] < found[:, 1:], found, 0).astype(np.int32)
         made.flags.writeable = False

@@ -114,8 +114,13 @@ class Drawn(str):
 def svg_text(figure: Any) -> Drawn:
     """Return a figure as an <svg> element of a page, which sets width and colours."""
     figure.patch.set_visible(False)
-    buffer = io.StringIO()
+    buffer, layout = io.StringIO(), figure.get_layout_engine()
+    if layout is not None:  # savefig would draw all twice, once for it
+        figure.set_dpi(72)  # as an SVG has it
+        layout.execute(figure)
+        figure.set_layout_engine(None)
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    figure.set_layout_engine(layout)
     text = buffer.getvalue()
     text = text[text.index("<svg") :]
     for name, stand_in in _STAND_INS.items():
@@ -155,11 +160,11 @@ def canvas(
 
 
 def empty_figure(width_in: float, height_in: float, layout: Literal["constrained"] | None = None) -> Figure:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width_in, height_in), layout=layout)
-    FigureCanvasAgg(figure)
+    FigureCanvasSVG(figure)
     return figure
 
 

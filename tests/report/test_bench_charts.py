@@ -190,8 +190,7 @@ def test_numbers_stand_beside_their_points_and_apart():
     points = rng.uniform(0.2, 0.8, (40, 2))
     with canvas("", (6.0, 5.0), box=(0.5, 0.5, 5.9, 4.9)) as axes:
         draw_numbers(axes, {index: index + 1 for index in range(40)}, points, np.zeros(40, bool))
-        renderer = axes.figure.canvas.get_renderer()
-        boxes = [text.get_window_extent(renderer) for text in axes.texts]
+        boxes = [text.get_window_extent() for text in axes.texts]
         assert all(np.hypot(*text.get_position()) < 24 for text in axes.texts)
         assert [text.get_text() for text in axes.texts] == [str(number) for number in range(1, 41)]
         assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))

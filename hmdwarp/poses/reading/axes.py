@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import operator
 import re
 from collections.abc import Sequence
 from typing import Any
@@ -191,7 +190,7 @@ _JUMP_DISTANCE_M = 0.25
 # Readings, what axes mean for a head: up of the world, up and forward of the head, as signed unit
 # vectors of the file, (3, 3). Right follows, and directions on the ground are free.
 _SIGNED = np.concatenate([np.eye(3), -np.eye(3)])
-_READINGS = [np.array(three) for three in itertools.product(_SIGNED, repeat=3) if not three[1] @ three[2]]
+_READINGS = np.array([three for three in itertools.product(_SIGNED, repeat=3) if not three[1] @ three[2]])
 
 
 class Evidence:
@@ -240,40 +239,41 @@ class Evidence:
                 self.neck = lever / length_m
         self.height_m = np.where(p.std(axis=0) < 0.25, p.mean(axis=0), 0.0)
 
-    def weigh(self, reading: Array) -> tuple[float, str]:
-        """Return a reading's points, one a criterion and gravity two, and what contradicts it."""
-        up, crown, gaze = reading
-        level, cosine = float(up @ self.gravity), float(up @ self.upright @ crown)
-        turns, nods = float(np.abs(up) @ self.world_turns), float(np.abs(crown) @ self.head_turns)
-        climbs, walks, faces = float(np.abs(up) @ self.climb), float(gaze @ self.travel), float(gaze @ self.neck)
+    def weigh(self, readings: Array) -> tuple[Array, NDArray[np.bool_], str]:
+        """Return points, one a criterion, gravity two; which are wrong; the first's fault."""
+        up, crown, gaze = readings.transpose(1, 0, 2)
+        level, cosine = up @ self.gravity, (up @ self.upright * crown).sum(axis=1)
+        turns, nods = np.abs(up) @ self.world_turns, np.abs(crown) @ self.head_turns
+        climbs, walks, faces = np.abs(up) @ self.climb, gaze @ self.travel, gaze @ self.neck
         points = 2.0 * level + cosine + (turns + nods) + (walks - climbs + faces)
         tips = np.abs(up) @ self.tips  # mean squares of how far gaze and ears leave the horizon
-        pitched, rolled = float(tips @ np.abs(gaze)), float(tips @ (1 - np.abs(crown) - np.abs(gaze)))
-        points += 0.5 * (pitched - rolled) / (pitched + rolled) if pitched + rolled > _TIPPED else 0.0
-        height, walked = float(up @ self.height_m), float(np.linalg.norm(self.travel))
-        points += 0.5 if _HEIGHTS_M[0] <= height <= _HEIGHTS_M[1] else -0.5 if height < -_HEIGHTS_M[0] else 0.0
-        hardly = any(
-            most.max() > _TURNS_MOSTLY and share < _TURNS_HARDLY
-            for most, share in ((self.world_turns, turns), (self.head_turns, nods))
-        )
-        way, side = "backwards" if walks < -UPRIGHT * walked else "sideways", "behind" if faces < -UPRIGHT else "beside"
+        pitched, rolled = (tips * np.abs(gaze)).sum(axis=1), (tips * (1 - np.abs(crown) - np.abs(gaze))).sum(axis=1)
+        both = pitched + rolled
+        points += np.where(both > _TIPPED, 0.5 * (pitched - rolled) / np.maximum(both, _TIPPED), 0.0)
+        height, walked = up @ self.height_m, float(np.linalg.norm(self.travel))
+        stands, buried = (height >= _HEIGHTS_M[0]) & (height <= _HEIGHTS_M[1]), height <= -_HEIGHTS_M[0]
+        points += 0.5 * stands - 0.5 * (height < -_HEIGHTS_M[0])
+        hardly = (self.world_turns.max() > _TURNS_MOSTLY) & (turns < _TURNS_HARDLY)
+        hardly |= (self.head_turns.max() > _TURNS_MOSTLY) & (nods < _TURNS_HARDLY)
+        way = "backwards" if walks[0] < -UPRIGHT * walked else "sideways"
+        side = "behind" if faces[0] < -UPRIGHT else "beside"
         tests = {
-            "the file's gravity columns point another way": self.gravity.any() and level < UPRIGHT,
+            "the file's gravity columns point another way": self.gravity.any() & (level < UPRIGHT),
             "the head is upside down": cosine < -UPRIGHT,
-            "the head lies on its side": cosine < _ON_ITS_SIDE and np.abs(self.upright).max() >= UPRIGHT,
+            "the head lies on its side": (cosine < _ON_ITS_SIDE) & (np.abs(self.upright).max() >= UPRIGHT),
             "the head hardly turns about its upright axis, but about another": hardly,
-            "the head climbs instead of walking": self.climb.max() > _TURNS_MOSTLY < climbs,
-            f"the head walks {way}": walked > _COHERENT and walks < 0.3 * walked,
-            f"the face is {side} the neck that it turns about": self.neck.any() and faces < 0.3,
+            "the head climbs instead of walking": (self.climb.max() > _TURNS_MOSTLY) & (climbs > _TURNS_MOSTLY),
+            f"the head walks {way}": (walked > _COHERENT) & (walks < 0.3 * walked),
+            f"the face is {side} the neck that it turns about": self.neck.any() & (faces < 0.3),
             "the head rolls from side to side more than it nods": (
-                cosine > _WELL_UPRIGHT and rolled > max(3 * pitched, _TIPPED)
+                (cosine > _WELL_UPRIGHT) & (rolled > np.maximum(3 * pitched, _TIPPED))
             ),
-            f"the head is {-height:.2f} m below the floor": -_HEIGHTS_M[1] <= height <= -_HEIGHTS_M[0],
+            f"the head is {-height[0]:.2f} m below the floor": buried & (height >= -_HEIGHTS_M[1]),
         }
-        return points, next((fault for fault, holds in tests.items() if holds), "")
+        return points, np.any([*tests.values()], axis=0), next((why for why, holds in tests.items() if holds[0]), "")
 
     def best_points(self) -> float:
-        return max(self.weigh(reading)[0] for reading in _READINGS)
+        return float(self.weigh(_READINGS)[0].max())
 
 
 class Verdict:
@@ -285,11 +285,11 @@ class Verdict:
     def __init__(self, evidence: Evidence, axes: Axes) -> None:
         self.better: Axes | None = None  # what fits best; None: nothing fits better
         here = axes.reading
-        own, self.fault = evidence.weigh(here)  # what contradicts them; "": nothing
-        weighed = [(*evidence.weigh(reading), reading) for reading in _READINGS]
-        top, _, best = max(weighed, key=operator.itemgetter(0))
-        rivals = (r for points, fault, r in weighed if points > own - CLEAR and not fault)
-        self.confirmed = all(np.array_equal(rival, here) for rival in rivals)  # the motion shows these axes alone
+        # fault: what contradicts them, "" for nothing
+        points, contradicted, self.fault = evidence.weigh(np.concatenate([[here], _READINGS]))
+        own, top, best = points[0], points[1:].max(), _READINGS[points[1:].argmax()]
+        rivals = _READINGS[(points > own - CLEAR)[1:] & ~contradicted[1:]]
+        self.confirmed = bool((rivals == here).all())  # the motion shows these axes alone
         self.advice = "nothing else fits better: --axes states them"
         self.world_alone = np.array_equal(best[1:], here[1:])  # the better ones turn it: the head's are right
         if not self.fault or np.array_equal(best, here) or top - own < CLEAR / 2:
@@ -444,7 +444,7 @@ def weigh_axes(r: Recording) -> None:
             turned = np.roll(q, -1 if there == "wxyz" else 1, axis=1)
         # In any axes, or in those that the format states.
         own, other = (
-            found.best_points() if layout.axes == OPENXR else found.weigh(r.axes.reading)[0]
+            found.best_points() if layout.axes == OPENXR else found.weigh(r.axes.reading[None])[0][0]
             for found in (evidence, read(turned, p))
         )  # fmt: skip
         if other > own + CLEAR:

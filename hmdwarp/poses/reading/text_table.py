@@ -55,8 +55,8 @@ _FARTHEST = 1e9  # in the file's units: a position or component beyond this is n
 
 
 def split(text: str, separator: str | None) -> list[str]:
-    quoted = '"' in text
-    return [f.strip().strip('"').strip() if quoted else f.strip() for f in text.split(separator)]
+    fields = map(str.strip, text.split(separator))
+    return [f.strip('"').strip() for f in fields] if '"' in text else [*fields]
 
 
 def read_head(path: Path) -> Head:
@@ -344,6 +344,7 @@ def _quaternions(path: Path, layout: Layout, numbers: Array, defects: list[Defec
 
 LARGEST = 2**62
 DAY_S = 86400
+_DIGITS = re.compile(r"([0-9]{1,18})\.?((?<=\.)[0-9]{0,40}|)\Z")
 _EXACT = decimal.Context(prec=60)
 _UNIX_DAY = datetime.date(1970, 1, 1).toordinal()
 _DATE = r"(?:[0-9]{4}[-/.][0-9][0-9]?[-/.][0-9][0-9]?|[0-9][0-9]?[-/.][0-9][0-9]?[-/.][0-9]{4})"
@@ -367,6 +368,8 @@ def steps_of(stamps: Any) -> Array:
 def _parse_time(text: str) -> tuple[int, int, bool, int]:
     """Return whole, billionths, whether it is a clock, decimals of a stamp. Errors: ValueError."""
     text = text.strip().strip('"').strip()
+    if plain := _DIGITS.match(text):
+        return int(plain[1]), int(plain[2][:9].ljust(9, "0")), False, min(len(plain[2]), 10)
     if ":" in text and (clock := _CLOCK.match(text)):
         day, hours, minutes, seconds, fraction, half, sign, *offset = clock.groups()
         hour = int(hours) % 12 + (12 if half in "pP" else 0) if half else int(hours)
