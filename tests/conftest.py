@@ -39,9 +39,9 @@ QUICK = (
 DEVELOPMENT_TRACES = Path(__file__).resolve().parents[2] / "shared" / "traces"
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def gpu():
-    """One OpenGL context for the whole session (llvmpipe where there is no GPU)."""
+    """One OpenGL context for the tests of a module (llvmpipe where there is no GPU)."""
     from hmdwarp.gpu import Gpu
 
     with Gpu() as made:

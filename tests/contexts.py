@@ -14,7 +14,7 @@ from pathlib import Path
 
 import moderngl
 
-from hmdwarp.gpu import Gpu, context, timers
+from hmdwarp.gpu import Gpu, ShaderLibrary, context, timers
 from hmdwarp.gpu.egl import VARIABLE
 
 _create, _release, _library = context.create_context, Gpu._release, context.ShaderLibrary
@@ -22,12 +22,13 @@ _check = timers.check_clocks
 MOST_BYTES = 700 << 20  # of a worker: collecting all tests takes 500 MB, and what compiled programs grow to 500
 _idle: list[moderngl.Context] = []
 _made: set[moderngl.Context] = set()  # standalone ones; a window's belong to it
+_libraries: dict[moderngl.Context, ShaderLibrary] = {}
 
 
 def install() -> None:
     """Keep contexts from now on."""
     context.create_context, Gpu._release = _take, _put_back
-    context.ShaderLibrary, timers.check_clocks = functools.cache(_library), functools.cache(_check)
+    context.ShaderLibrary, timers.check_clocks = _library_of, functools.cache(_check)
 
 
 @contextmanager
@@ -39,6 +40,12 @@ def as_shipped() -> Iterator[None]:
         yield
     finally:
         install()
+
+
+def _library_of(gl: moderngl.Context) -> ShaderLibrary:
+    if gl not in _libraries:
+        _libraries[gl] = _library(gl)
+    return _libraries[gl]
 
 
 def _take(*, shared: bool = False) -> moderngl.Context:
@@ -70,5 +77,6 @@ def shrink() -> None:
     if statm.exists() and int(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") > MOST_BYTES:
         while _idle:
             _made.discard(idle := _idle.pop())
+            _libraries.pop(idle, None)
             idle.release()
         context._heap_trim()(0)
