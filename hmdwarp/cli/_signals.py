@@ -28,6 +28,8 @@ def end_cleanly() -> None:
         raise Ended(number)
 
     def dropped(about: sys.UnraisableHookArgs) -> None:
+        if Ended is None:  # Python is ending: it has cleared this module
+            return
         if isinstance(about.exc_value, Ended):
             (number,) = about.exc_value.args
             signal.signal(number, end)

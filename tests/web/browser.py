@@ -232,7 +232,7 @@ CANTED = """
     const { position, orientation: { x, y, z, w } } = view.transform, [s, c] = [-side * turn[0], turn[1]];
     const orientation = { x: x * c - z * s, y: y * c + w * s, z: z * c + x * s, w: w * c - y * s };
     const seen = [...view.projectionMatrix], value = { position, orientation };
-    if (side > 0) [seen[0], seen[9]] = [1.15 * seen[0], seen[9] + 1 / 13]; // its guard band is whole pixels of 104
+    if (side > 0) [seen[0], seen[8], seen[9]] = [1.15 * seen[0], 1 / 12, 1 / 13]; // a guard band of whole pixels
     return Object.create(view, { transform: { value }, projectionMatrix: { value: seen } });
   };
   XRFrame.prototype.getViewerPose = function (space) {

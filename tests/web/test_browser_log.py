@@ -250,13 +250,11 @@ def test_a_folder_that_is_none_is_refused_before_the_server_begins(tmp_path):
 def test_a_replay_shows_what_the_page_showed(tmp_path):
     """In an emulated headset whose eyes are canted and unequal.
 
-    Its guard band is of whole pixels on each side, which a replay would round up to.
-
-    The clock is stepped, so frames are even; poses are those of the page's own predictor.
-
-    Frames cross without a codec. Off by half a level of 255 for the late frame's bytes, half for
-    each program's picture, and half for both's half floats: 2 in all, except where a comparison of
-    depths stands on the brink and another surface is taken.
+    Its guard band is of whole pixels on each side, which a replay would round up to. The clock is
+    stepped, so frames are even; poses are those of the page's own predictor. Frames cross without a
+    codec. Off by half a level of 255 for the late frame's bytes, half for each program's picture,
+    and half for both's half floats: 2 in all, except where a comparison of depths stands on the
+    brink and another surface is taken.
     """
     with (
         Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out")) as server,
@@ -270,6 +268,8 @@ def test_a_replay_shows_what_the_page_showed(tmp_path):
         enter_vr_at_once(browser)
         browser.does("(async () => { while (!hmdwarp.session.shown) await stepped(1); })()")
         looked = [look_after(browser, 1) for _ in range(60)]
+        left, right = (np.tan(view["fov"]) for view in looked[0]["views"])
+        assert np.allclose(right, [*(left[:2] + left[1] / 12) / 1.15, *(left[2:] + left[3] / 13)], atol=1e-6)
         browser.does("hmdwarp.session.report.send(hmdwarp.session.time())")
         browser.does("hmdwarp.session.feed.close()")
         browser.until("hmdwarp.session.feed.socket.readyState === 3")
