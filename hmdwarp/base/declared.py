@@ -267,7 +267,7 @@ class Declared:
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set, by name."""
         values: dict[str, Any] = {}
-        for name, own in _own_of(cls):
+        for name, own in _own_of(cls):  # type: ignore[arg-type]
             if not isinstance(own, Option):
                 values[name] = own.of(said)
             elif (value := said.get(own.name)) is not None:
@@ -276,9 +276,9 @@ class Declared:
 
 
 @cache  # a class's fields stay as they are, and a study's file reads them a thousand times
-def _own_of(kind: type[Declared]) -> list[tuple[str, Option | type[Declared]]]:
+def _own_of(kind: type) -> list[tuple[str, Option | type[Declared]]]:
     """Return the fields that are a group of options or an option, by name."""
-    fields = [field for field in attrs.fields(kind) if {_GROUP, _KEY} & {*field.metadata}]  # type: ignore[arg-type]
+    fields = [field for field in attrs.fields(kind) if {_GROUP, _KEY} & {*field.metadata}]
     return [(field.name, field.metadata.get(_GROUP) or option_of(field)) for field in fields]
 
 
