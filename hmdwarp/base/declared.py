@@ -9,6 +9,7 @@ import os
 import re
 import typing
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Self, TypeVar, get_type_hints
@@ -266,14 +267,19 @@ class Declared:
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set, by name."""
         values: dict[str, Any] = {}
-        for field in attrs.fields(cls):  # type: ignore[arg-type]
-            if _GROUP in field.metadata:
-                values[field.name] = field.metadata[_GROUP].of(said)
-            elif _KEY in field.metadata:
-                own = option_of(field)
-                if (value := said.get(own.name)) is not None:
-                    values[field.name] = value if own.parse is None else own.parse(value)
+        for name, own in _own_of(cls):  # type: ignore[arg-type]
+            if not isinstance(own, Option):
+                values[name] = own.of(said)
+            elif (value := said.get(own.name)) is not None:
+                values[name] = value if own.parse is None else own.parse(value)
         return values
+
+
+@cache  # a class's fields stay as they are, and a study's file reads them a thousand times
+def _own_of(kind: type) -> list[tuple[str, Option | type[Declared]]]:
+    """Return the fields that are a group of options or an option, by name."""
+    fields = [field for field in attrs.fields(kind) if {_GROUP, _KEY} & {*field.metadata}]
+    return [(field.name, field.metadata.get(_GROUP) or option_of(field)) for field in fields]
 
 
 FORCE = Option("Overwrite files that are in the way, also those that another program wrote.", bool, False, name="force")

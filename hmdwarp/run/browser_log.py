@@ -16,8 +16,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from .. import web  # late: the feed alone needs no aiohttp
 from ..report import write_error
-from ..web import MOST_REPORT
 
 NAME = "session.jsonl"
 MOST_BYTES, _LAST = 50_000_000, 100  # of the file, and of the line that says that it is full
@@ -147,7 +147,7 @@ class _PageLog:
 
     def take(self, text: str) -> None:
         """Take a message; what no page says is counted, and said in the next line."""
-        if len(text) > MOST_REPORT or self._parsed >= _AT_ONCE + _PER_S * (time.monotonic() - self._begun_s):
+        if len(text) > web.MOST_REPORT or self._parsed >= _AT_ONCE + _PER_S * (time.monotonic() - self._begun_s):
             self._errors += 1
             return
         self._parsed += 1

@@ -96,7 +96,7 @@ def main() -> None:
             tell(control=command.control, value=command.value)
             status.values[command.control] = command.value
         glfw.swap_buffers(window)
-        for line in lines_now(0.01):
+        for line in lines_now(0.1):  # or a software renderer draws all the time
             match line:
                 case "end":
                     glfw.set_window_should_close(window, True)

@@ -53,9 +53,10 @@ class OffscreenDisplay(offscreen.OffscreenDisplay):
         asked: dict[int, Sequence[Command]] | None = None,
         back_after: int = 0,
         keeps: bool = False,
+        rate_hz: float = RATE_HZ,
     ) -> None:
         track = track if track is not None else synthesise("look-around", seed=1, seconds=4)
-        super().__init__(DisplayOptions("rift-dk1", size=size, view=view, trace=track, rate_hz=RATE_HZ), gpu)
+        super().__init__(DisplayOptions("rift-dk1", size=size, view=view, trace=track, rate_hz=rate_hz), gpu)
         self.source = LiveHead(track, self.now_ns)
         self._events, self._asked, self._back_after, self._keeps = events or {}, asked or {}, back_after, keeps
         self._number = -1

@@ -33,7 +33,7 @@ class Running:
 
     def __init__(self, gpu, **options) -> None:
         self.display = OffscreenDisplay(gpu=gpu, view=options.get("view", "both"))
-        usual = {"scene": "planes", "headset": "rift-dk1", "latency_ms": LATENCY_MS, "fill": "none"}
+        usual = {"scene": "planes", "headset": "rift-dk1", "latency_ms": LATENCY_MS, "fill": "none", "samples": 1}
         self.host = PipelineHost(self.display, LiveOptions(**{**usual, **options}))
         self.shown: list[tuple[int, int | None]] = []
         self.sent: list[tuple[int, float]] = []  # (drawn_ns, latency in ms) of each frame

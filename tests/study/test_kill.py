@@ -6,7 +6,7 @@ A kill is SIGKILL: no handler runs, what the program had not given to the kernel
 kernel has not given to the disk stays, so this is no test of a power cut; that every commit is
 followed by an fsync is asked of SQLite (synchronous=FULL), and tests/study/store looks at that.
 
-STUDY_KILLS (12) says how many, STUDY_KILL_SEED which moments; `make test-kill` does 500.
+STUDY_KILLS (8) says how many, STUDY_KILL_SEED which moments; `make test-kill` does 500.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from hmdwarp.study.store import COMPLETE, Answer, Contents, Session, Store
 from . import tiny
 
 PHASES = {"answer": "after an answer", "showing": "while showing", "shown": "after a trial", "event": "after an event"}
-KILLS, SEED = (int(os.environ.get(name, usual)) for name, usual in (("STUDY_KILLS", "12"), ("STUDY_KILL_SEED", "1")))
+KILLS, SEED = (int(os.environ.get(name, usual)) for name, usual in (("STUDY_KILLS", "8"), ("STUDY_KILL_SEED", "1")))
 SHORTLY_S = (1e-5, 0.02)  # after a line of the witness: at once, in the middle of the next commit, or between two
 
 

@@ -329,7 +329,7 @@ def test_broken_messages_are_read_or_refused():
     asks = [encode(ASK), encode(attrs.evolve(ASK, wanted=WANTED))]
     whole = [*asks, *map(encode, (FRAME, BYTES, CODED, LAYERED)), encode(Refusal(1, "why"))]
     refused = 0
-    for _ in range(100_000):
+    for _ in range(40_000):
         data = bytearray(rng.choice(whole))
         for _ in range(rng.randint(1, 4)):
             data[rng.randrange(len(data))] = rng.choice((0, 1, 127, 128, 255, rng.randrange(256)))
@@ -343,7 +343,7 @@ def test_broken_messages_are_read_or_refused():
             decode(bytes(data))
         except Malformed:
             refused += 1
-    assert refused > 10_000
+    assert refused > 4_000
 
 
 SIZE = (96, 80)

@@ -298,9 +298,9 @@ AS_IT_IS = ("--codec", "none", "--warp", "none", "--fill", "none", "--proxy-guar
 
 
 @pytest.fixture(scope="module")
-def between():
+def between(serving_of):
     """The address of a proxy in front of a playroom."""
-    with Serving("--scene", "playroom") as server, proxy("--connect", server.address, *AS_IT_IS) as found:
+    with proxy("--connect", serving_of("playroom"), *AS_IT_IS) as found:
         yield found.address
 
 
@@ -339,18 +339,22 @@ def pictures(setup, frame) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("again", ["server", "proxy"])
-def test_what_people_do_crosses_a_proxy_also_to_one_that_was_started_again(gpu, tmp_path, monkeypatch, again):
+def test_what_people_do_crosses_a_proxy_also_to_one_that_was_started_again(
+    gpu, tmp_path, monkeypatch, serving_of, again
+):
     """Every picture is that of the scene here, with the inputs, at the instant that it names."""
     monkeypatch.setattr(Remote, "pace", patient)
     where = {name: f"127.0.0.1:{free_port()}" for name in ("server", "proxy")}
+    if again == "proxy":
+        where["server"] = serving_of("playroom")
     started = {
         "server": lambda: Serving("--scene", "playroom", "--listen", where["server"]),
         "proxy": lambda: proxy("--connect", where["server"], "--listen", where["proxy"], *AS_IT_IS),
     }
     with ExitStack() as stack:
         running = {name: stack.enter_context(ExitStack()) for name in started}
-        for name, start in started.items():
-            running[name].enter_context(start())
+        for name in sorted({"proxy", again}, reverse=True):
+            running[name].enter_context(started[name]())
         setup = stack.enter_context(acting(gpu, tmp_path, where["proxy"]))
         numbered = setup.schedule.numbered()
         lit, dark = (shown_until(setup, numbered, at_ms) for at_ms in (0, OFF_MS))

@@ -20,7 +20,7 @@ from . import sessions
 from .sessions import Person, SeatedDisplay, contents, run, study
 
 UNTIL_DONE = 'seconds = "until done"\nlongest = 3'
-CHANGES = [('"96x120"', '"48x40"'), ("= 130", "= 20"), ("= 170", "= 30"), ('"rotation"', '"none"')]
+CHANGES = [('"48x60"', '"48x40"'), ("= 130", "= 20"), ("= 170", "= 30"), ('"rotation"', '"none"')]
 MORE = 'lens = "none"\npredict = "none"\nguard = 1.0\nclient_motion = "held"'
 # By the number of the picture: with keys or a mouse, and with a controller whose trigger acts and
 # confirms at once, in a hand that points at a thing, or aside.

@@ -38,7 +38,7 @@ def begun(path: Path):
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_a_signal_in_mid_trial(path, number, status):
-    text = path.read_text(encoding="utf-8").replace('"96x120"', '"24x30"')
+    text = path.read_text(encoding="utf-8").replace('"48x60"', '"24x30"')
     path.write_text(text.replace("seconds = 0.1", "seconds = 3600"), encoding="utf-8")  # nobody sees the end of it
     with begun(path) as (program, types):
         for line in program.stderr:

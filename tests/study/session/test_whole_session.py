@@ -59,7 +59,7 @@ def test_every_trial_shows_its_planned_condition(one):
         assert actual["seconds"] == pytest.approx(0.1, abs=PERIOD_MS * 1e-3 * 1.01)
         assert actual["rate_hz"] == pytest.approx(RATE_HZ)
         assert actual["missed"] == actual["lost_s"] == actual["tracking_lost_share"] == 0
-        assert (actual["source"], actual["scene"], actual["size"]) == ("offscreen", "planes", "96x120")
+        assert (actual["source"], actual["scene"], actual["size"]) == ("offscreen", "planes", "48x60")
         assert actual["warp"] == ("rotation" if showing.condition == NAMES[1] else "none")
         assert 0 <= actual["hole_share_mean"] <= 1
         assert actual["angular_speed_deg_s_median"] > 0
