@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import mypy
 import pytest
 import yaml
 
@@ -16,17 +17,38 @@ TARGETS = re.findall(r"^(check-\w+):", (ROOT / "Makefile").read_text(encoding="u
 HERE = ("check-lint", "check-format", "check-types")  # the suite compiles the shaders itself
 
 
+def read(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
+
+
 def lines_of(target: str) -> str:
     command = ["make", "-n", "--no-print-directory", target]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
 
 
 @pytest.mark.slow(60)
-@pytest.mark.parametrize("line", [line for target in HERE for line in lines_of(target).splitlines() if " -m " in line])
+@pytest.mark.parametrize(
+    "line",
+    [line for target in HERE for line in lines_of(target).splitlines() if " -m " in line],
+    ids=lambda line: line[:45],
+)
 def test_it_finds_nothing(line):
     _, *arguments = shlex.split(line)
     done = subprocess.run([sys.executable, *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_for_windows_it_reads_each_module_that_may_have_other_types_there():
+    """Each that imports what Python's stubs define by platform; methods of paths the line names."""
+    stubs = Path(mypy.__file__).parent / "typeshed/stdlib"
+    found = (path.relative_to(stubs).parts[0] for path in stubs.rglob("*.pyi") if "sys.platform" in read(path))
+    differ = "|".join({name.removesuffix(".pyi") for name in found} - {"pathlib"})
+    imports = re.compile(rf"^\s*(import|from) ({differ})\b", re.MULTILINE)
+    line = lines_of("check-types").splitlines()[-1].split()
+    assert "win32" in line
+    assert {path for path in (ROOT / "hmdwarp").rglob("*.py") if imports.search(read(path))} <= {
+        ROOT / word for word in line
+    }
 
 
 def test_pre_commit_runs_the_same_and_fetches_nothing():
