@@ -18,6 +18,7 @@ from urllib.request import HTTPCookieProcessor, build_opener
 
 import needs
 import pytest
+from bench_files import NO_PAGE
 from commands import hmdwarp
 from display.virtual_screen import VirtualScreen
 from serving import Serving, free_port
@@ -43,8 +44,12 @@ SMALLER = {
     "hmdwarp live ": " --size 64x80",
     "hmdwarp choose ": " --size 32x40 --seconds 0.1",
 }
-# Where a page of a run is drawn as it is, which takes longer than the run.
+# Where the page of what ran is drawn, which takes longer than such a run; and who draws it.
 WITH_PAGES = ("README.md", "getting-started.md")
+NO_PAGES = (
+    ("run.run_summary.render_report", "no page"), ("run.live_log.render_live_report", "no page"),
+    ("experiments.bench.bench_run.bench_page", NO_PAGE), ("experiments.bench.compare_run.compare_page", NO_PAGE),
+)  # fmt: skip
 
 # What the examples of a page must leave behind.
 LEFT = {
@@ -96,6 +101,7 @@ def smaller(block: str) -> str:
     block = block.replace('size = "160x200"', 'size = "64x80"').replace("seconds = 1\n", "seconds = 0.3\n")
     block = re.sub(r'(--scene |scene = ")room', r"\1planes", block)
     block = block.replace("voxels:size=32", "voxels:size=8,cones=4")
+    block = re.sub("^(hmdwarp serve .*) &$", r"\1 --samples 1 &", block, flags=re.MULTILINE)
     lines = block.splitlines()
     return "\n".join(line + "".join(_more(line, *each) for each in SMALLER.items()) for line in lines)
 
@@ -136,8 +142,8 @@ def small_suites(tmp_path_factory, monkeypatch) -> None:
 def test_a_page_runs_from_top_to_bottom(page, tmp_path, monkeypatch):
     hurry(monkeypatch)
     monkeypatch.chdir(tmp_path)
-    for name in () if page in WITH_PAGES else ("run_summary.render_report", "live_log.render_live_report"):
-        monkeypatch.setattr(f"hmdwarp.run.{name}", lambda *_, **__: "no page")
+    for name, nothing in () if page in WITH_PAGES else NO_PAGES:
+        monkeypatch.setattr(f"hmdwarp.{name}", lambda *_, nothing=nothing, **__: nothing)
     ports, servers = {port: str(free_port()) for port in ("5570", "5571")}, {}
     try:
         for kind, block in BLOCKS[page]:
