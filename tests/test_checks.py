@@ -17,10 +17,6 @@ TARGETS = re.findall(r"^(check-\w+):", (ROOT / "Makefile").read_text(encoding="u
 HERE = ("check-lint", "check-format", "check-types")  # the suite compiles the shaders itself
 
 
-def read(path: Path) -> str:
-    return path.read_text(encoding="utf-8")
-
-
 def lines_of(target: str) -> str:
     command = ["make", "-n", "--no-print-directory", target]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
@@ -28,9 +24,7 @@ def lines_of(target: str) -> str:
 
 @pytest.mark.slow(60)
 @pytest.mark.parametrize(
-    "line",
-    [line for target in HERE for line in lines_of(target).splitlines() if " -m " in line],
-    ids=lambda line: line[:45],
+    "line", [*filter(re.compile(" -m ").search, "".join(map(lines_of, HERE)).splitlines())], ids=lambda line: line[:45]
 )
 def test_it_finds_nothing(line):
     _, *arguments = shlex.split(line)
@@ -40,15 +34,12 @@ def test_it_finds_nothing(line):
 
 def test_for_windows_it_reads_each_module_that_may_have_other_types_there():
     """Each that imports what Python's stubs define by platform; methods of paths the line names."""
-    stubs = Path(mypy.__file__).parent / "typeshed/stdlib"
-    found = (path.relative_to(stubs).parts[0] for path in stubs.rglob("*.pyi") if "sys.platform" in read(path))
+    stubs, line = Path(mypy.__file__).parent / "typeshed/stdlib", lines_of("check-types").splitlines()[-1]
+    found = (path.relative_to(stubs).parts[0] for path in stubs.rglob("*.pyi") if b"sys.platform" in path.read_bytes())
     differ = "|".join({name.removesuffix(".pyi") for name in found} - {"pathlib"})
-    imports = re.compile(rf"^\s*(import|from) ({differ})\b", re.MULTILINE)
-    line = lines_of("check-types").splitlines()[-1].split()
-    assert "win32" in line
-    assert {path for path in (ROOT / "hmdwarp").rglob("*.py") if imports.search(read(path))} <= {
-        ROOT / word for word in line
-    }
+    imports = re.compile(rf"^\s*(import|from) ({differ})\b".encode(), re.MULTILINE)
+    files = [path for path in (ROOT / "hmdwarp").rglob("*.py") if imports.search(path.read_bytes())]
+    assert "win32" in line and {*files} <= {ROOT / word for word in line.split()}
 
 
 def test_pre_commit_runs_the_same_and_fetches_nothing():

@@ -94,25 +94,11 @@ def test_installed_copy_is_the_one_that_runs(installed, tmp_path):
     assert Path(where.stdout.strip()).is_relative_to(installed.parent), where.stdout + where.stderr
 
 
-LISTS = """
-import sys
-from hmdwarp.cli import main
-for kind in "warps", "fills", "scenes", "headsets", "formats", "scales", "studies":
-    sys.argv[1:] = ["list", kind, "--json"]
-    try:
-        main()
-    except SystemExit as left:
-        assert not left.code
-    print(end="\\0")
-"""
-
-
-def test_lists_from_another_folder(installed, tmp_path):
-    done = run(installed / "python", "-c", LISTS, cwd=tmp_path)
+@pytest.mark.parametrize("kind", ["warps", "scenes", "formats", "studies"])
+def test_lists_from_another_folder(installed, tmp_path, kind):
+    done = run(installed / "hmdwarp", "list", kind, "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    *lists, rest = done.stdout.split("\0")
-    assert len(lists) == 7 and not rest
-    assert all(entry["name"] for each in lists for entry in json.loads(each))
+    assert all(entry["name"] for entry in json.loads(done.stdout))
 
 
 def test_replays_a_shipped_recording_by_its_bare_name(installed, tmp_path):

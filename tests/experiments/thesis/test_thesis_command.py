@@ -22,7 +22,7 @@ EXPERIMENTS = experiments()
 @pytest.mark.slow(40)
 def test_quick_gives_every_experiment_its_verdict(tmp_path, monkeypatch):
     """Each kind of run is there, of the first cells, with smaller pictures than --quick has."""
-    out, tiny = tmp_path / "out", Thoroughness((64, 40), 1, 1, 1 / 16, 0.1)
+    out, tiny = tmp_path / "out", Thoroughness((64, 40), 1, 1, 1 / 16, 0.25)
     monkeypatch.setattr("hmdwarp.experiments.thesis.thesis_run.Thoroughness", lambda *_: tiny)
     first = [attrs.evolve(each, cells=each.cells[:1]) for each in EXPERIMENTS]
     monkeypatch.setattr("hmdwarp.experiments.thesis.experiment.experiments_named", lambda _: first)
