@@ -1,9 +1,11 @@
-"""Files as hmdwarp bench writes them, with the figures a test wants."""
+"""Files as hmdwarp bench writes them, with the figures a test wants; benches without their page."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
+from unittest.mock import patch
 
 from hmdwarp.metrics import QUALITY
 
@@ -11,6 +13,9 @@ PAIRS = (("none", "none"), ("rotation", "none"), ("forward", "interpolate"))
 # So far above what any of them takes at 96x80 that another program on this machine cannot make a
 # difference.
 AMPLE_MS = 1e4
+# Its charts take longer than a small bench. For a test, or after `with`.
+NO_PAGE = SimpleNamespace(html=lambda: "no page")
+WITHOUT_PAGE = patch("hmdwarp.experiments.bench.bench_run.bench_page", lambda *_: NO_PAGE)
 
 
 def a_row(warp: str, fill: str, total_ms: float | None, flip: float, **changes) -> dict:

@@ -36,6 +36,8 @@ QUICK = (
     "pipeline/auto", "poses/", "sources/server/test_visibility.py", "study/design/", "study/scales/",
     "study/statistics/", "test_colour.py", "test_glossary.py", "test_house.py", "test_public.py", "test_registry.py",
 )  # fmt: skip
+# They read a head's file at the beginning of each run: a shipped one is read once in a session.
+READ_HEADS = ("run.run", "run.choosing", "run.live_run", "run.serve_run", "experiments.bench.cases")
 DEVELOPMENT_TRACES = Path(__file__).resolve().parents[2] / "shared" / "traces"
 
 
@@ -69,6 +71,11 @@ def pytest_collection_finish() -> None:
 
     Each run of `live` collects first: 0.4 s among all these objects, and a study's session has 35.
     """
+    if there := [sys.modules[name] for each in READ_HEADS if (name := f"hmdwarp.{each}") in sys.modules]:
+        import replays
+
+        for module in there:
+            module.load_trace = replays.load_once
     _freeze()
     gc.enable()
 

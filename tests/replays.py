@@ -72,7 +72,7 @@ def replayed(options: RunOptions, page: bool = False, gpu: Gpu | None = None) ->
     it says nothing. gpu: a context that many runs share, instead of one of its own.
     """
     with ExitStack() as stack:
-        stack.enter_context(patch("hmdwarp.run.run.load_trace", _load))
+        stack.enter_context(patch("hmdwarp.run.run.load_trace", load_once))
         if not page:
             stack.enter_context(patch("hmdwarp.run.run_summary.render_report", lambda *_, **__: "no page"))
         if gpu is not None:
@@ -80,7 +80,7 @@ def replayed(options: RunOptions, page: bool = False, gpu: Gpu | None = None) ->
         return replay(options)
 
 
-def _load(trace: str, options: TraceOptions) -> LoadedTrace:
+def load_once(trace: str, options: TraceOptions | None = None) -> LoadedTrace:
     """Load a trace; a shipped recording once."""
     return _recording(trace, options) if trace in recording_names() else load_trace(trace, options)
 
@@ -104,7 +104,7 @@ def each_refresh(options: RunOptions, look: Callable[[ReplayRun, int, Refresh], 
 
     look(setup, number, refresh) at every shown refresh.
     """
-    with patch("hmdwarp.run.run.load_trace", _load), set_up_replay(options) as setup:
+    with patch("hmdwarp.run.run.load_trace", load_once), set_up_replay(options) as setup:
         for number, instant_ns in setup.schedule.numbered():
             setup.loop.draw(instant_ns)
             if number >= 0:

@@ -13,7 +13,7 @@ from hmdwarp.base import srgb_from_linear
 from hmdwarp.client.warps import warps
 from hmdwarp.metrics import PSNR_CAP_DB
 
-WALK = {"trace": "walk", "start_s": 3.0, "seconds": 1.5, "metrics_every": 9}
+WALK = {"trace": "walk", "start_s": 3.0, "seconds": 0.75, "metrics_every": 9}
 
 
 def values(result, name: str) -> list[float]:

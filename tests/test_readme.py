@@ -18,6 +18,7 @@ from urllib.request import HTTPCookieProcessor, build_opener
 
 import needs
 import pytest
+from bench_files import NO_PAGE
 from commands import hmdwarp
 from display.virtual_screen import VirtualScreen
 from serving import Serving, free_port
@@ -43,8 +44,12 @@ SMALLER = {
     "hmdwarp live ": " --size 64x80",
     "hmdwarp choose ": " --size 32x40 --seconds 0.1",
 }
-# Where a page of a run is drawn as it is, which takes longer than the run.
+# Where the page of what ran is drawn, which takes longer than such a run; and who draws it.
 WITH_PAGES = ("README.md", "getting-started.md")
+NO_PAGES = (
+    ("run.run_summary.render_report", "no page"), ("run.live_log.render_live_report", "no page"),
+    ("experiments.bench.bench_run.bench_page", NO_PAGE), ("experiments.bench.compare_run.compare_page", NO_PAGE),
+)  # fmt: skip
 
 # What the examples of a page must leave behind.
 LEFT = {
@@ -72,17 +77,17 @@ def run(command: list[str], folder: Path) -> None:
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout}\n{done.stderr}"
 
 
-def run_block(block: str, folder: Path, page: bool, servers: dict[str, subprocess.Popen]) -> None:
+def run_block(block: str, folder: Path, servers: dict[str, subprocess.Popen]) -> None:
     """Run commands, those of hmdwarp in this process unless one stays in the background.
 
-    page: whether pages of runs are drawn. servers: what stays there, each once for a page.
+    servers: what stays there, each once for a page.
     """
     for statement in re.findall(r"^[^\n]*<<'END'\n.*?^END$|^[^\n]+", block, re.DOTALL | re.MULTILINE):
         if statement.endswith(" &"):
             words = [sys.executable, "-m", *shlex.split(statement.removesuffix(" &"))]
             servers[statement] = servers.get(statement) or subprocess.Popen(words, cwd=folder, stderr=subprocess.PIPE)
         elif statement.startswith("hmdwarp "):
-            done = hmdwarp(*shlex.split(statement)[1:], folder=folder, page=page)
+            done = hmdwarp(*shlex.split(statement)[1:], folder=folder)
             assert done.returncode == 0, f"{statement}\n{done.stdout}\n{done.stderr}"
         elif not statement.startswith(("kill ", "server=")):
             run(["sh", "-ec", statement], folder)
@@ -96,6 +101,7 @@ def smaller(block: str) -> str:
     block = block.replace('size = "160x200"', 'size = "64x80"').replace("seconds = 1\n", "seconds = 0.3\n")
     block = re.sub(r'(--scene |scene = ")room', r"\1planes", block)
     block = block.replace("voxels:size=32", "voxels:size=8,cones=4")
+    block = re.sub("^(hmdwarp serve .*) &$", r"\1 --samples 1 &", block, flags=re.MULTILINE)
     lines = block.splitlines()
     return "\n".join(line + "".join(_more(line, *each) for each in SMALLER.items()) for line in lines)
 
@@ -104,23 +110,28 @@ def _more(line: str, start: str, options: str) -> str:
     """Return the options of a command that starts so."""
     if not line.startswith(start):
         return ""
-    return " --workers 0" if "--suite" in line else options + _plain_scene(line)
+    return " --workers 0" if "--suite" in line else options + _plain(line)
 
 
-def _plain_scene(line: str) -> str:
-    """Return the option of a scene that is ready at once, where the command does not name one."""
-    elsewhere = "--frames" in line or line.startswith("hmdwarp live ") and "--connect" in line
-    return "" if "--scene" in line or elsewhere else " --scene planes"
+def _plain(line: str) -> str:
+    """Return options of fewer and plainer frames, and of a scene where the command names none."""
+    if "--frames" in line or "--connect" in line:
+        return ""
+    fewer = " --samples 1" + " --rate 30" * line.startswith("hmdwarp replay ")
+    return fewer + ("" if "--scene" in line else " --scene planes")
 
 
 @pytest.fixture
 def small_suites(tmp_path_factory, monkeypatch) -> None:
-    """Let named benchmarks draw 48x30 without antialiasing, of the first person alone."""
+    """Let named benchmarks draw 48x30 without antialiasing, of one person and small scenes."""
     text = (ROOT / "hmdwarp/experiments/bench/suites.toml").read_text(encoding="utf-8")
     file = tmp_path_factory.mktemp("suites") / "suites.toml"
     text = re.sub("size = .*\nsamples = .*", 'size = ["48x30"]\nsamples = 1', text)
+    text = text.replace('"room,spheres,workshop"', '"planes,spheres"')
     file.write_text(re.sub(r'traces = \[("[^"]+").*\]', r"traces = [\1]", text), encoding="utf-8")
     monkeypatch.setattr("hmdwarp.experiments.bench.suites._FILE", file)
+    for name in ("INSTANTS", "ROUNDS"):  # of the short bench that chooses
+        monkeypatch.setattr(f"hmdwarp.run.choosing.{name}", 1)
 
 
 @pytest.mark.slow(25)
@@ -131,6 +142,8 @@ def small_suites(tmp_path_factory, monkeypatch) -> None:
 def test_a_page_runs_from_top_to_bottom(page, tmp_path, monkeypatch):
     hurry(monkeypatch)
     monkeypatch.chdir(tmp_path)
+    for name, nothing in () if page in WITH_PAGES else NO_PAGES:
+        monkeypatch.setattr(f"hmdwarp.{name}", lambda *_, nothing=nothing, **__: nothing)
     ports, servers = {port: str(free_port()) for port in ("5570", "5571")}, {}
     try:
         for kind, block in BLOCKS[page]:
@@ -140,7 +153,7 @@ def test_a_page_runs_from_top_to_bottom(page, tmp_path, monkeypatch):
             elif kind == "python":
                 exec(compile(text, page, "exec"), {"__name__": "__main__"})
             elif kind == "sh" and not text.startswith("make "):
-                run_block(smaller(text), tmp_path, page in WITH_PAGES, servers)
+                run_block(smaller(text), tmp_path, servers)
     finally:
         for server in servers.values():
             server.terminate()

@@ -27,8 +27,8 @@ CHAINS = {
     "default chain": {},
     "iterative + pyramid": {"fill": "pyramid"},
     "iterative": {"fill": "none"},
-    "iterative with the lens in one resample": {"fill": "none", "lens": "radial", "fused": "on"},
-    "rotation with the lens in one resample": {"warp": "rotation", "fill": "none", "lens": "radial", "fused": "on"},
+    "iterative with the lens in one resample": {"fill": "none", "lens": "radial", "fused": True},
+    "rotation with the lens in one resample": {"warp": "rotation", "fill": "none", "lens": "radial", "fused": True},
 }
 LATENCY_NS = 200_000_000
 REFRESH_NS = 11_111_111
@@ -50,12 +50,12 @@ class Busy:
             self._gl.finish()
 
 
-def measured(gpu: Gpu, size: tuple[int, int], refreshes: int, busy: Busy) -> Iterator[dict[str, object]]:
+def measured(gpu: Gpu, name: str, size: tuple[int, int], refreshes: int, busy: Busy) -> Iterator[dict[str, object]]:
     """Yield the figures of each chain at that size of one eye."""
-    scene, headset, track = load_scene("room"), load_headset("rift-dk1"), load_trace("look-around").track
+    scene, headset, track = load_scene(name), load_headset("rift-dk1"), load_trace("look-around").track
     server = Server(gpu, scene)
-    for name, chosen in CHAINS.items():
-        wanted = PipelineOptions.of({"scene": "room", "lens": "none", "size": f"{size[0]}x{size[1]}", **chosen})
+    for chain, chosen in CHAINS.items():
+        wanted = PipelineOptions.of({"scene": name, "lens": "none", "size": f"{size[0]}x{size[1]}", **chosen})
         plan = build_plan_for(wanted, headset, scene)
         frames: list = []
         times: dict[str, list[float]] = {}
@@ -85,7 +85,7 @@ def measured(gpu: Gpu, size: tuple[int, int], refreshes: int, busy: Busy) -> Ite
         for frame in frames:
             server.recycle(frame)
         yield {
-            "chain": name,
+            "chain": chain,
             "size": list(size),
             "time_ms": {
                 stage: {"median": float(np.median(each)), "p95": float(np.percentile(each, 95))}
@@ -98,13 +98,16 @@ def main() -> None:
     """Print the figures."""
     asked = options(
         __doc__,
+        scene=("room", "what is drawn"),
         sizes=("1280x800", "pixels of one eye, with commas"),
         refreshes=(40, "of each chain"),
         busy=(256 << 20, "bytes of each buffer that is copied in between"),
     )
     with Gpu() as gpu:
         busy = Busy(gpu, asked.busy)
-        rows = [row for size in sizes_in(asked.sizes) for row in measured(gpu, size, asked.refreshes, busy)]
+        rows = [
+            row for size in sizes_in(asked.sizes) for row in measured(gpu, asked.scene, size, asked.refreshes, busy)
+        ]
         json.dump(rows, sys.stdout)
 
 

@@ -112,14 +112,14 @@ def figures(gpu: Gpu, frames: int, clock: Callable[[], int], *, draws: bool, **c
     return middle, high, low, median(total), median(calls for *_, calls in rows), slow
 
 
-def table_of(gpu: Gpu, frames: int) -> tuple[Table, dict[bool, bool]]:
+def table_of(gpu: Gpu, frames: int, scene: str) -> tuple[Table, dict[bool, bool]]:
     """Return every case in each way; and by whether it draws, whether those limited keep it."""
     heads = ("case", "clock", "median ms", "p95", "p5", "with GL", "GL calls", "machine")
     table, kept = Table(*heads, title="A refresh outside OpenGL, both eyes"), {True: True, False: True}
     for name, chosen in CASES.items():
         best: dict[bool, list[float]] = {True: [], False: []}
         for label, clock, draws in CLOCKS:
-            *parts, total, calls, slow = figures(gpu, frames, clock, draws=draws, **chosen)
+            *parts, total, calls, slow = figures(gpu, frames, clock, draws=draws, scene=scene, **chosen)
             best[draws].append(parts[0])
             numbers = (*(f"{part:.3f}" for part in parts), f"{total:.2f}", f"{calls:.0f}", f"x {slow:.2f}")
             table.add_row(name if label == "wall" else "", label, *numbers)
@@ -130,10 +130,10 @@ def table_of(gpu: Gpu, frames: int) -> tuple[Table, dict[bool, bool]]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print; return 1 if the limit is not kept where nothing is drawn."""
-    chosen = options(__doc__, arguments, frames=(600, "refreshes of each run"))
+    chosen = options(__doc__, arguments, frames=(600, "refreshes of each run"), scene=("room", "what is drawn"))
     console = Console(width=140)
     with Gpu() as gpu:
-        table, kept = table_of(gpu, chosen.frames)
+        table, kept = table_of(gpu, chosen.frames, chosen.scene)
         console.print(table)
         told = {draws: "kept" if fine else "NOT kept" for draws, fine in kept.items()}
         limit = f"limit of {LIMIT_MS} ms for the first {len(LIMITED)}"

@@ -49,7 +49,7 @@ ALL = Work(
 )
 QUICK = Work(
     (("48x40", ("rotation",), ("none", "pyramid")),),
-    ("--instants", "1", "--rounds", "1", "--seconds", "1", "--workers", "0"),
+    ("--instants", "1", "--rounds", "1", "--seconds", "0.1", "--workers", "0"),
     "planes", ("--refreshes", "2", "--busy", "65536"), 10, 2, ("--sizes", "48x40"),
 )  # fmt: skip
 
@@ -100,7 +100,9 @@ def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
         raise SystemExit(f"{run.left_out[0]}: 'hmdwarp doctor' says what is missing")
     doctor = json.loads(told)["findings"]
     sizes = ",".join(size for size, *_ in work.benches)
-    chains = run.part("chains with a busy GPU", str(HERE / "gpu_chain.py"), "--sizes", sizes, *work.chains)
+    chains = run.part(
+        "chains with a busy GPU", str(HERE / "gpu_chain.py"), "--scene", work.scene, "--sizes", sizes, *work.chains
+    )
     benches, lives = [], []
     for size, warps, fills in work.benches:
         chosen = ("--warp", ",".join(("forward", *warps)), "--fill", ",".join(fills))
@@ -111,7 +113,8 @@ def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
         lives.append(run.results(f"live {size}", "live", *what, "--pictures", str(work.frames), file="summary.json"))
     arrays = run.part("calls with arrays", str(HERE / "warper_cost.py"), "--ratios", *work.arrays)
     # Status 1: a limit is exceeded, which it says.
-    loop = run.part("bench-live", str(HERE / "live_cost.py"), "--frames", str(work.refreshes), statuses=(0, 1))
+    costs = ("--frames", str(work.refreshes), "--scene", work.scene)
+    loop = run.part("bench-live", str(HERE / "live_cost.py"), *costs, statuses=(0, 1))
     return {
         "schema": SCHEMA,
         "doctor": doctor,

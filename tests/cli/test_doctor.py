@@ -15,7 +15,7 @@ import typer
 from typer.testing import CliRunner
 
 from hmdwarp.cli import _checks as doctor
-from hmdwarp.cli._checks import MISSING, OK, OPTIONAL, Finding
+from hmdwarp.cli._checks import MISSING, OK, OPTIONAL
 from hmdwarp.cli.catalogue import doctor as command
 
 
@@ -30,11 +30,6 @@ def probe(tmp_path, monkeypatch):
         monkeypatch.setattr(doctor.sys, "executable", str(path))
 
     return use
-
-
-def looked(name: str) -> Finding:
-    """What is found of that, of real probes."""
-    return {found.name: found for found in doctor.examine()}[name]
 
 
 @pytest.mark.parametrize(
@@ -87,9 +82,9 @@ def test_no_display_or_one_that_is_not_there_and_no_runtime(display, monkeypatch
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     monkeypatch.setenv("DISPLAY", display)
     monkeypatch.setenv("XR_RUNTIME_JSON", "nowhere.json")
-    found = {finding.name: finding for finding in doctor.examine()}
-    assert found["desktop window"].state == OPTIONAL and "xvfb" in found["desktop window"].remedy
-    assert found["OpenXR"].detail.startswith("no OpenXR runtime: XR_RUNTIME_JSON names nowhere.json")
+    window, openxr = doctor._window(doctor.run_probe("window")), doctor._openxr(doctor.run_probe("openxr"))
+    assert window.state == OPTIONAL and "xvfb" in window.remedy
+    assert openxr.detail.startswith("no OpenXR runtime: XR_RUNTIME_JSON names nowhere.json")
 
 
 def test_missing_package_is_named(monkeypatch):
@@ -160,7 +155,7 @@ def test_drivers_are_asked_at_the_same_time_and_a_folder_may_not_be_installed(pr
 
 
 def test_the_devices_are_listed_with_what_draws_on_each():
-    found = looked("EGL devices")
+    found = doctor._devices(doctor.run_probe("devices"))
     if found.state == OPTIONAL:
         pytest.skip(f"EGL lists no devices here: {found.detail}")
     assert found.detail.startswith("0: ") and "HMDWARP_EGL_DEVICE chooses another" in found.detail
@@ -170,7 +165,7 @@ def test_the_devices_are_listed_with_what_draws_on_each():
 
 def test_a_device_that_is_not_there_is_told_with_the_list(monkeypatch):
     monkeypatch.setenv("HMDWARP_EGL_DEVICE", "99")
-    found = looked("OpenGL")
+    found = doctor._opengl(doctor.run_probe("gl"))
     assert found.state == MISSING
     assert "HMDWARP_EGL_DEVICE=99 names no device here, expected one of 0" in found.detail
     assert found.remedy.startswith("unset HMDWARP_EGL_DEVICE")

@@ -32,8 +32,8 @@ def replaying(tmp_path):
     (out / "images").mkdir(parents=True)
     (out / "summary.json").write_text('{"hmdwarp": "0"}', encoding="utf-8")
     options = [
-        "--scene", "planes", "--size", "64x48", "--metrics-every", "1", "--workers", "2", "--video",
-        "--out", str(out),
+        "--scene", "planes", "--size", "64x48", "--metrics-every", "1", "--workers", "2", "--against", "none",
+        "--video", "--out", str(out),
     ]  # fmt: skip
     process = subprocess.Popen(
         [*PROGRAM, "replay", "walk", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,

@@ -49,9 +49,11 @@ def test_a_full_disk_behind_standard_output_is_told(arguments):
     assert re.fullmatch("hmdwarp: cannot print.*No space left.*\n", done.stderr)
 
 
-@pytest.mark.parametrize("arguments", [LISTS[0], REPLAY], ids=" ".join)
-@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&- <&-"])
-def test_closed_streams(arguments, closed, tmp_path):
+@pytest.mark.parametrize(
+    ("closed", "arguments"),
+    [(">&-", LISTS[0]), ("2>&-", LISTS[0]), (ALL := ">&- 2>&- <&-", LISTS[0]), (ALL, REPLAY)],
+)
+def test_closed_streams(closed, arguments, tmp_path):
     arguments = [*arguments, str(tmp_path / "out")] if arguments == REPLAY else arguments
     done = ended("sh", "-c", f'"$@" {closed}', "sh", *PROGRAM, *arguments)
     assert done.returncode == 0, done

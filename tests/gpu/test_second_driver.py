@@ -27,14 +27,14 @@ ZINK = {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "zink", "ZINK_INLINE_UNI
 ZINK |= {"LP_NUM_THREADS": "2"}  # with none (conftest.py) its timers at times do not agree with the wall
 NAME = "Zink over lavapipe"
 RENDERER = "from hmdwarp.gpu import Gpu; print(Gpu().renderer)"
-# The timers, blocks of 4 of meshes, the hard cases, and two replays. That warps and fills equal
+# The timers, blocks of 4 of meshes, the hard cases, and a replay. That warps and fills equal
 # their twins follows: they make llvmpipe's pictures.
 SELECTED = (
     "tests/gpu/test_timers.py", "tests/gpu/test_programs.py", "tests/client/test_forward.py",
     "tests/client/test_mesh_adaptive.py", "tests/hard_cases/test_hard_cases.py", "tests/test_golden.py",
 )  # fmt: skip
 # Of the hard cases each warp with its defaults.
-FEWER = "(not test_hard_cases.py or not :) and (not test_looks_as_before or iterative or backward)"
+FEWER = "(not test_hard_cases.py or not :) and (not test_looks_as_before or iterative)"
 # Fills that sum many terms, which another compiler may round otherwise. Each of the levels of a
 # pyramid, halves of the picture down to one texel and up again, stores means as half floats: one
 # that falls to the other side of a rounding is off by a unit, 2^-10 of it, and a mean of such

@@ -173,15 +173,18 @@ def _present(gpu: Gpu) -> None:
 
 def _draw_every_content(gpu: Gpu) -> None:
     """Every scene that has more than plain surfaces, whole and in layers; mirrors in both ways.
-    Without what takes long and compiles nothing: fewer triangles, and a scene that is sent."""
+    Without what takes long and compiles nothing: fewer triangles, and a scene that is sent. What
+    all scenes compile alike is drawn in one."""
     drawn = {layer.name: layer.something for layer in layers if layer.drawn_by and layer.name != "scene_update"}
-    everything = Needs(**{**drawn, "difference": frozenset({Simplified(share=1.0)})})
+    drawn["difference"] = frozenset({Simplified(share=1.0)})
+    alike = {name: drawn.pop(name) for name in ("points", "photons")}
     for source in scenes:
         if source.effects:
             scene = source.build()
             for mirrors in MIRRORS if "planar_reflections" in source.effects else MIRRORS[:1]:
                 server, view = Server(gpu, scene, mirrors), View(scene.viewpoint, Fov(-0.7, 0.7, -0.7, 0.7))
-                for needs in (Needs(), everything):
+                everything = drawn | alike if source.name == "lantern" else drawn
+                for needs in (Needs(), Needs(**everything)):
                     server.recycle(server.draw_frame([view], 0, (8, 6), needs=needs))
                 server.close()
     hidden = View(view.pose, view.fov, hidden=Hidden((((-1, -1), (0, -1), (-1, 0)),), view.fov))

@@ -94,7 +94,7 @@ def test_installed_copy_is_the_one_that_runs(installed, tmp_path):
     assert Path(where.stdout.strip()).is_relative_to(installed.parent), where.stdout + where.stderr
 
 
-@pytest.mark.parametrize("kind", ["warps", "fills", "scenes", "headsets", "formats", "scales", "studies"])
+@pytest.mark.parametrize("kind", ["warps", "scenes", "formats", "studies"])
 def test_lists_from_another_folder(installed, tmp_path, kind):
     done = run(installed / "hmdwarp", "list", kind, "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr

@@ -27,7 +27,6 @@ from ...metrics import LEAST_STEP, RELATIVE_STEP, Compared, hole_share, psnr
 from ...pipeline import Refresh
 from ...pipeline.sizes import build_plan_for, refreshes_of
 from ...poses import GLIDES, synthesise, write_synthetic
-from ...report import timeline_svg
 from ...run import ReplayRun, RunOptions, measured, set_up_replay
 from ...run.measuring import Combination, Truth, coverage, draw_truth, refreshes, shown_picture
 from ...scenes import load_scene
@@ -270,8 +269,8 @@ class _Watcher:
         return Looked(self._run, figures, *self._first)
 
 
-def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
-    """Return what the frames of one eye weigh and how late they are, and their time line as SVG."""
+def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, Sequence[Mapping[str, Any]]]:
+    """Return what the frames of one eye weigh and how late they are, and their time line."""
     width, height = (max(16, round(side * scale)) for side in run.size)
     network = LinkOptions(server_rate_hz=run.server_hz)
     if run.bandwidth_mbit is not None:  # all that a frame goes through delays it
@@ -293,4 +292,4 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
         found["full_size_mbit_s"] = per_eye
         # A CPU that renders says nothing of a machine with a GPU.
         found["response_ms"] = (link["response_ms"] or {}).get("median_ms") if summary["clock"] == "gpu" else None
-    return found, timeline_svg(link.get("timeline") or ())
+    return found, link.get("timeline") or ()

@@ -14,7 +14,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from ...report import jpeg_bytes, plain, render_thesis_page
+from ...report import jpeg_bytes, plain, render_thesis_page, timeline_svg
 from ..bench.bench_run import examined
 from ..sweep import ExperimentResult, Result, SweepCase, Swept, experiment
 from . import experiment as thesis
@@ -135,15 +135,17 @@ def thesis_work(
             if run.timed and about["clock"] == "gpu":
                 (least,) = look([attrs.evolve(run, scale=SPECK_PX / part.how.size[0])], part.how, folder)
                 figures = beyond(figures, least.figures)
-            files = {PICTURE: jpeg_bytes(found.picture), TRUTH: jpeg_bytes(found.truth)}
+            if part.is_pictured:
+                files = {PICTURE: jpeg_bytes(found.picture), TRUTH: jpeg_bytes(found.truth)}
         elif isinstance(run, thesis.StreamRun):
-            figures, drawn = stream(run, part.how.stream_scale, part.how.stream_s)
-            files = {TIMELINE: drawn.encode()}
+            figures, timeline = stream(run, part.how.stream_scale, part.how.stream_s)
+            if part.is_pictured:
+                files = {TIMELINE: timeline_svg(timeline).encode()}
         elif isinstance(run, thesis.RatingsRun):
             figures = ratings(run.part, run.latency_ms)
         else:
             figures = {"value": FACTS[run.fact]()}
-        return Result({**about, "figures": figures}, files if part.is_pictured else {})
+        return Result({**about, "figures": figures}, files)
 
     with tempfile.TemporaryDirectory(prefix="hmdwarp-thesis-") as name:
         folder = Path(name)

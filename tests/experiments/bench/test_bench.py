@@ -11,6 +11,7 @@ import json
 import attrs
 import numpy as np
 import pytest
+from bench_files import WITHOUT_PAGE
 from replays import contents, run
 
 from hmdwarp.base import folder
@@ -92,6 +93,7 @@ def test_rows_are_summaries_and_more_and_the_table_says_the_same(full):
         assert float(written["silhouettes_flip"]) == row["regions"]["silhouettes"]["flip"]
 
 
+@WITHOUT_PAGE
 def test_only_times_change(full, tmp_path, monkeypatch):
     """Measured in other threads, and in batches so small that each warp runs alone."""
     monkeypatch.setattr("hmdwarp.run.measuring.GPU_BATCH_BYTES", 1)
@@ -100,6 +102,7 @@ def test_only_times_change(full, tmp_path, monkeypatch):
     assert untimed(again.data["rows"]) == untimed(full[1].data["rows"])
 
 
+@WITHOUT_PAGE
 def test_a_case_is_identified_by_content(tmp_path):
     """The content of a trace counts, not its place; who runs it and where it goes do not."""
     first, moved = tmp_path / "first.csv", tmp_path / "there" / "first.csv"
@@ -138,6 +141,7 @@ def test_baselines_are_named_and_another_librarys_warp_is_a_row(tmp_path):
     assert "CloudXR.js" in page and "OpenCV" in page
 
 
+@WITHOUT_PAGE
 def test_memory_has_seen_the_seconds_before_an_instant(tmp_path):
     """A head that looks around sees again what it saw: memory knows it after the run-in alone."""
     options = attrs.evolve(
@@ -165,6 +169,7 @@ def test_crops_are_of_the_best_of_each_warp_where_it_is_worst_and_where_typical(
     assert result.report.read_text(encoding="utf-8").count("worst instant") >= 2
 
 
+@WITHOUT_PAGE
 def test_servers_of_other_rates_are_cases_of_their_own_with_the_errors_of_their_replays(tmp_path):
     one = {"warps": ("none",), "fills": ("none",), "latencies_ms": (100.0,)}
     options = attrs.evolve(SMALL, **one, server_rates_hz=(10.0, 25.0, 60.0), out=tmp_path / "bench")

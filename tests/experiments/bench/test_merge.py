@@ -10,6 +10,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 import pytest
+from bench_files import WITHOUT_PAGE
 from commands import hmdwarp
 
 from hmdwarp.base import InputError, MachineError
@@ -28,7 +29,8 @@ def benches(tmp_path_factory) -> list[Path]:
     options = attrs.evolve(TINY, recordings=("walk",), start_s=0.2)
     made = [tmp_path_factory.mktemp("bench") / "out" for _ in range(3)]
     for out, latencies in zip(made, ((50.0, 100.0), (50.0,), (100.0,)), strict=True):
-        bench(attrs.evolve(options, latencies_ms=latencies, out=out))
+        with WITHOUT_PAGE:
+            bench(attrs.evolve(options, latencies_ms=latencies, out=out))
     return made
 
 

@@ -6,6 +6,7 @@ import math
 
 import attrs
 import pytest
+from bench_files import WITHOUT_PAGE
 from replays import CHEAPER, replayed, scene_for
 
 from hmdwarp.base import PlanError
@@ -39,7 +40,8 @@ def rows(tmp_path_factory) -> dict[str, dict]:
     for scene in sorted({scene_for(name) for name in NAMES}):
         named = tuple(name for name in NAMES if scene_for(name) == scene)
         out = tmp_path_factory.mktemp("bench") / scene
-        result = bench(attrs.evolve(OPTIONS, strategies=named, scenes=(scene,), out=out))
+        with WITHOUT_PAGE:
+            result = bench(attrs.evolve(OPTIONS, strategies=named, scenes=(scene,), out=out))
         found |= {row["strategy"]: row for row in result.data["rows"]}
     return found
 

@@ -31,7 +31,7 @@ from hmdwarp.report.compare_page import OF_COMPARE, compare_page
 
 NAMED = ("imposter", "depth_image", "light", "proxy")
 QUICK = ("--size", "48x40", "--samples", "1", "--headset", "flat-90", "--start", "1.1", "--seconds", "0.1")
-QUICK += ("--workers", "0", "--quiet")
+QUICK += ("--scene", "spheres", "--workers", "0", "--quiet")
 
 
 @pytest.fixture(scope="module")
