@@ -8,7 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import mypy
 import pytest
 import yaml
 
@@ -23,23 +22,11 @@ def lines_of(target: str) -> str:
 
 
 @pytest.mark.slow(60)
-@pytest.mark.parametrize(
-    "line", [*filter(re.compile(" -m ").search, "".join(map(lines_of, HERE)).splitlines())], ids=lambda line: line[:45]
-)
+@pytest.mark.parametrize("line", [line for target in HERE for line in lines_of(target).splitlines() if " -m " in line])
 def test_it_finds_nothing(line):
     _, *arguments = shlex.split(line)
     done = subprocess.run([sys.executable, *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-
-
-def test_for_windows_it_reads_each_module_that_may_have_other_types_there():
-    """Each that imports what Python's stubs define by platform; methods of paths the line names."""
-    stubs, line = Path(mypy.__file__).parent / "typeshed/stdlib", lines_of("check-types").splitlines()[-1]
-    found = (path.relative_to(stubs).parts[0] for path in stubs.rglob("*.pyi") if b"sys.platform" in path.read_bytes())
-    differ = "|".join({name.removesuffix(".pyi") for name in found} - {"pathlib"})
-    imports = re.compile(rf"^\s*(import|from) ({differ})\b".encode(), re.MULTILINE)
-    files = [path for path in (ROOT / "hmdwarp").rglob("*.py") if imports.search(path.read_bytes())]
-    assert "win32" in line and {*files} <= {ROOT / word for word in line.split()}
 
 
 def test_pre_commit_runs_the_same_and_fetches_nothing():
