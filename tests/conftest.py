@@ -49,15 +49,25 @@ def gpu():
 
 
 def pytest_sessionstart() -> None:
-    """Build each shipped scene once in a session, and use OpenGL contexts again.
+    """Build each shipped scene once in a session, read recordings once, use OpenGL contexts again.
 
-    Nobody writes to a scene, and `room` takes 1.5 s.
+    Nobody writes to them; `room` takes 1.5 s, a recording 0.1 s of each small run.
 
     Before tests are collected, because lists of cases read scenes.
     `scenes.get(name).build.__wrapped__()` builds it afresh.
     """
+    from hmdwarp.base import recording_names
+    from hmdwarp.poses import formats
     from hmdwarp.scenes import scenes
 
+    read, once = formats.load_trace, functools.cache(formats.load_trace)
+
+    @functools.wraps(read)
+    def load_trace(name_or_path, options=None):
+        shipped = isinstance(name_or_path, str) and name_or_path in recording_names()
+        return (once if shipped else read)(name_or_path, options)
+
+    formats.load_trace = load_trace
     gc.disable()  # what collecting the tests makes stays
     contexts.install()
     found = scenes.get

@@ -209,12 +209,12 @@ def test_a_plan_beside_others_gets_only_what_it_needs(gpu):
             assert np.array_equal(download(shown.texture), download(expected.texture))
 
 
-APART_NS = 10_000_000_000
-MIDDLE, LAST = 43, 58  # refreshes: 7 and 10 minutes; after 24 caches still fill
-# The times of the last thousands of refreshes, which a proxy keeps for its medians, are 15 times
-# 0.24 kB here, and all that grows is 6 kB. A picture of 32x24 kept at each refresh would be 15
-# times 6 kB.
-GROWTH_BYTES = 15_000
+APART_NS = 7_000_000_000
+MIDDLE, LAST = 43, 60  # refreshes: 5 and 7 minutes; caches of 64 matrices are full after the first
+# The times of the last thousands of refreshes, which a proxy keeps for its medians, are 17 times
+# 0.24 kB here, and points that come later 12 kB. A picture of 32x24 kept at each refresh would be
+# 17 times 6 kB.
+GROWTH_BYTES = 25_000
 
 
 def wandering(time_ns: int) -> Pose:
