@@ -39,7 +39,7 @@ def render(views, time_ns):
 
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out/python_renderer")
-run = {"trace": "look-around", "scene": "server", "size": (96, 120), "seconds": 0.3, "out": out / "replay"}
+run = {"trace": "look-around", "scene": "server", "size": (96, 120), "seconds": 0.5, "out": out / "replay"}
 run |= {"headset": "rift-dk1"}
 with hmdwarp.feed.serving(render) as address:
     print(hmdwarp.replay(hmdwarp.RunOptions(feed=hmdwarp.feed.FeedOptions(connect=address), **run)))

@@ -39,7 +39,7 @@ def render(views, time_ns):
     return [newest.colour[at]] * len(views), [newest.depth_m[at]] * len(views), [newest.view] * len(views)
 
 
-run = {"source": "offscreen", "trace": "look-around", "seconds": 1, "size": (96, 120), "out": out / "live"}
+run = {"source": "offscreen", "trace": "look-around", "seconds": 2, "size": (96, 120), "out": out / "live"}
 run |= {"headset": "rift-dk1"}
 with hmdwarp.feed.serving(render) as address:
     print(live(LiveOptions(feed=hmdwarp.feed.FeedOptions(connect=address), **run)))
