@@ -13,7 +13,7 @@ out = Path(sys.argv[1] if len(sys.argv) > 1 else "out/compare_warps")
 run = {
     "trace": "walk",
     "start_s": 4,
-    "seconds": 0.6,
+    "seconds": 0.4,
     "headset": "rift-dk1",
     "size": (96, 120),
     "images": 0,

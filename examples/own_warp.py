@@ -39,6 +39,6 @@ class Wall(Warp):
 
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out/own_warp")
-run = {"trace": "walk", "headset": "rift-dk1", "size": (96, 120), "seconds": 0.6, "images": 0, "workers": 0, "out": out}
+run = {"trace": "walk", "headset": "rift-dk1", "size": (96, 120), "seconds": 0.3, "images": 0, "workers": 0, "out": out}
 options = hmdwarp.RunOptions(warp="wall:distance_m=1.5", **run)
 print(hmdwarp.replay(options).summary["quality"]["flip"])

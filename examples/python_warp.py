@@ -32,7 +32,7 @@ class Median(ArrayWarp):
 
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out/python_warp")
-few = {"headset": "rift-dk1", "seconds": 0.5, "workers": 0}
+few = {"headset": "rift-dk1", "seconds": 0.3, "workers": 0}
 print(hmdwarp.replay(RunOptions(trace="walk", warp="median", size=(96, 120), out=out / "replay", **few)))
 
 case = {"recordings": ("walk",), "scenes": ("planes",), "latencies_ms": (100.0,), "sizes": ((64, 80),), "instants": 2}

@@ -19,7 +19,7 @@ hmdwarp.bench.bench(
         latencies_ms=(100.0, 200.0),
         headset="rift-dk1",
         sizes=((64, 80),),
-        seconds=0.5,
+        seconds=0.3,
         instants=2,
         workers=0,
         paper=PaperOptions(tables=("latex",), plots=("pdf",)),

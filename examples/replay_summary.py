@@ -14,7 +14,7 @@ options = hmdwarp.RunOptions(
     latency_ms=200,
     headset="rift-dk1",  # by default today's: quest-3
     size=(96, 120),  # pixels of one eye; without it, those of the headset
-    seconds=0.6,  # without it, all of the recording
+    seconds=0.4,  # without it, all of the recording
     out=out,
 )
 result = hmdwarp.replay(options)

@@ -35,7 +35,7 @@ options = hmdwarp.RunOptions(
     as_recorded=True,
     headset="rift-dk1",
     size=(96, 120),
-    seconds=0.5,
+    seconds=0.3,
     out=out / "replay",
 )
 summary = hmdwarp.replay(options).summary

@@ -36,8 +36,6 @@ QUICK = (
     "pipeline/auto", "poses/", "sources/server/test_visibility.py", "study/design/", "study/scales/",
     "study/statistics/", "test_colour.py", "test_glossary.py", "test_house.py", "test_public.py", "test_registry.py",
 )  # fmt: skip
-# They read a head's file at the beginning of each run: a shipped one is read once in a session.
-READ_HEADS = ("run.run", "run.choosing", "run.live_run", "run.serve_run", "experiments.bench.cases")
 DEVELOPMENT_TRACES = Path(__file__).resolve().parents[2] / "shared" / "traces"
 
 
@@ -51,15 +49,25 @@ def gpu():
 
 
 def pytest_sessionstart() -> None:
-    """Build each shipped scene once in a session, and use OpenGL contexts again.
+    """Build each shipped scene once in a session, read recordings once, use OpenGL contexts again.
 
-    Nobody writes to a scene, and `room` takes 1.5 s.
+    Nobody writes to them; `room` takes 1.5 s, a recording 0.1 s of each small run.
 
     Before tests are collected, because lists of cases read scenes.
     `scenes.get(name).build.__wrapped__()` builds it afresh.
     """
+    from hmdwarp.base import recording_names
+    from hmdwarp.poses import formats
     from hmdwarp.scenes import scenes
 
+    read, once = formats.load_trace, functools.cache(formats.load_trace)
+
+    @functools.wraps(read)
+    def load_trace(name_or_path, options=None):
+        shipped = isinstance(name_or_path, str) and name_or_path in recording_names()
+        return (once if shipped else read)(name_or_path, options)
+
+    formats.load_trace = load_trace
     gc.disable()  # what collecting the tests makes stays
     contexts.install()
     found = scenes.get
@@ -71,11 +79,6 @@ def pytest_collection_finish() -> None:
 
     Each run of `live` collects first: 0.4 s among all these objects, and a study's session has 35.
     """
-    if there := [sys.modules[name] for each in READ_HEADS if (name := f"hmdwarp.{each}") in sys.modules]:
-        import replays
-
-        for module in there:
-            module.load_trace = replays.load_once
     _freeze()
     gc.enable()
 

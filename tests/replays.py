@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import functools
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, nullcontext
 from pathlib import Path
@@ -13,7 +12,6 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from hmdwarp.base import recording_names
 from hmdwarp.client import parse_indirect, parse_warp
 from hmdwarp.client.effects import effects
 from hmdwarp.client.strategies import options_of_strategy
@@ -21,7 +19,6 @@ from hmdwarp.client.warps import warps
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.pipeline import Refresh
 from hmdwarp.pipeline.options import DEFAULT_WARP
-from hmdwarp.poses import LoadedTrace, TraceOptions, load_trace
 from hmdwarp.run import ReplayResult, ReplayRun, RunOptions, replay, set_up_replay
 from hmdwarp.scenes import load_scene
 
@@ -72,20 +69,11 @@ def replayed(options: RunOptions, page: bool = False, gpu: Gpu | None = None) ->
     it says nothing. gpu: a context that many runs share, instead of one of its own.
     """
     with ExitStack() as stack:
-        stack.enter_context(patch("hmdwarp.run.run.load_trace", load_once))
         if not page:
             stack.enter_context(patch("hmdwarp.run.run_summary.render_report", lambda *_, **__: "no page"))
         if gpu is not None:
             stack.enter_context(patch("hmdwarp.run.run.Gpu", lambda: nullcontext(gpu)))
         return replay(options)
-
-
-def load_once(trace: str, options: TraceOptions | None = None) -> LoadedTrace:
-    """Load a trace; a shipped recording once."""
-    return _recording(trace, options) if trace in recording_names() else load_trace(trace, options)
-
-
-_recording = functools.cache(load_trace)
 
 
 def rows_of(folder: Path) -> list[dict[str, str]]:
@@ -104,7 +92,7 @@ def each_refresh(options: RunOptions, look: Callable[[ReplayRun, int, Refresh], 
 
     look(setup, number, refresh) at every shown refresh.
     """
-    with patch("hmdwarp.run.run.load_trace", load_once), set_up_replay(options) as setup:
+    with set_up_replay(options) as setup:
         for number, instant_ns in setup.schedule.numbered():
             setup.loop.draw(instant_ns)
             if number >= 0:

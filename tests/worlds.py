@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
 import pkgutil
 import typing
@@ -32,6 +33,7 @@ def has_twin(spec: str) -> bool:
     return parse_warp(spec).entry.name not in PICTURED
 
 
+@functools.cache
 def twin_of(name: str):
     """The float64 twin of a warp: the public function of its name in a module of reference."""
     modules = (importlib.import_module(f"reference.{found.name}") for found in pkgutil.iter_modules(reference.__path__))

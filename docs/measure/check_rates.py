@@ -68,9 +68,9 @@ class Result:
         return "cannot tell" if not self.told or is_part else "wrong"
 
 
-def results(recorded: list[Recording], cases: int, faults: int = 1) -> Iterator[Result]:
+def results(recorded: list[Recording], cases: Iterable[int], faults: int = 1) -> Iterator[Result]:
     """Yield the result of each case: random cameras, motions, noise, gaps, worlds and numbers."""
-    for case in range(cases):
+    for case in cases:
         rng = np.random.default_rng([2, case] if faults == 1 else [3, case])
         names = two_misreadings(rng) if faults == 2 else (list(MISREADINGS)[case % len(MISREADINGS)],)
         right, wrong = right_and_wrong(recorded[rng.integers(len(recorded))], names, rng)
@@ -113,7 +113,7 @@ def main() -> None:
     faults = 1 + chosen.two
     with Gpu() as gpu:
         recorded = recorded_for(gpu, chosen.cases)
-    found = [attrs.evolve(one, right=[], wrong=[]) for one in results(recorded, chosen.cases, faults)]
+    found = [attrs.evolve(one, right=[], wrong=[]) for one in results(recorded, range(chosen.cases), faults)]
     outcomes = Counter(trial.outcome for trial in found)
     shares = ", ".join(f"{outcomes[outcome]} {outcome}" for outcome in OUTCOMES)
     print(f"Of {len(found)} random cases with {faults} {'fault' if faults == 1 else 'faults'}: {shares}.")

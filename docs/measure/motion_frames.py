@@ -77,6 +77,9 @@ def rays_of(view: View, size: tuple[int, int]) -> Array:
     return np.stack([*np.meshgrid(x, y), np.full(size[::-1], -1.0)], axis=-1)
 
 
+_AT_ONCE = 100_000  # pixels
+
+
 def met(corners: Array, view: View, size: tuple[int, int]) -> tuple[Array, NDArray[np.int64], Array]:
     """(h, w) inverse depth, triangle (-1: none) and (h, w, 3) weights of its corners.
 
@@ -84,9 +87,9 @@ def met(corners: Array, view: View, size: tuple[int, int]) -> tuple[Array, NDArr
     weights times the inverse depth.
     """
     seen = (corners - view.pose.position_m) @ view.pose.rotation.as_matrix()
-    rays, (wide, high) = rays_of(view, size), size
+    rays, (wide, high) = rays_of(view, size).reshape(-1, 3), size
     left, right, down, up = view.fov.tangents
-    inverse, which, weights = np.zeros((high, wide)), np.full((high, wide), -1), np.zeros((high, wide, 3))
+    inverse, which, weights = np.zeros(high * wide), np.full(high * wide, -1), np.zeros((high * wide, 3))
     ahead = seen[..., 2].max(axis=1) < -0.02
     with np.errstate(divide="ignore", invalid="ignore"):
         x = (seen[..., 0] / -seen[..., 2] - left) / (right - left) * wide
@@ -97,15 +100,22 @@ def met(corners: Array, view: View, size: tuple[int, int]) -> tuple[Array, NDArr
     behind = seen[..., 2].min(axis=1) >= 0
     solid = np.abs(np.linalg.det(seen)) > 1e-12 * np.linalg.norm(seen, axis=2).prod(axis=1)
     drawn = np.flatnonzero((low < end).all(axis=1) & ~behind & solid)
-    for index, turn in zip(drawn, np.linalg.inv(seen[drawn]), strict=True):
-        rows, columns = (slice(low[index, k], end[index, k]) for k in (1, 0))
-        part = rays[rows, columns] @ turn
-        found = part.sum(axis=-1)
-        nearer = (part >= 0).all(axis=-1) & (found > inverse[rows, columns])
-        inverse[rows, columns][nearer] = found[nearer]
-        which[rows, columns][nearer] = index
-        weights[rows, columns][nearer] = part[nearer] / found[nearer][:, None]
-    return inverse, which, weights
+    boxes, turns = end - low, np.zeros_like(seen)
+    turns[drawn] = np.linalg.inv(seen[drawn])
+    until = boxes[drawn].prod(axis=1).cumsum()
+    # The pixels of the boxes around many triangles at once.
+    for some in np.split(drawn, np.flatnonzero(np.diff(until // _AT_ONCE)) + 1):
+        counts = boxes[some].prod(axis=1)
+        index, place = np.repeat(some, counts), np.arange(counts.sum()) - np.repeat(counts.cumsum() - counts, counts)
+        down, across = np.divmod(place, boxes[index, 0])
+        pixel = (low[index, 1] + down) * wide + low[index, 0] + across
+        part = np.einsum("ni,nij->jn", rays[pixel], turns[index])
+        found = part.sum(axis=0)
+        nearer = np.flatnonzero((part >= 0).all(axis=0) & (found > inverse[pixel]))
+        nearer = nearer[np.lexsort((-index[nearer], found[nearer]))]  # where several are, the last one stays
+        inverse[pixel[nearer]], which[pixel[nearer]] = found[nearer], index[nearer]
+        weights[pixel[nearer]] = (part[:, nearer] / found[nearer]).T
+    return inverse.reshape(high, wide), which.reshape(high, wide), weights.reshape(high, wide, 3)
 
 
 def true_frames(server: Server, views: list[View], times_ns: list[int], jitter: Array = HALTON) -> list[TrueFrame]:

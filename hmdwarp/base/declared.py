@@ -484,7 +484,7 @@ def parse_settings(kind: type, name: str, named: str, text: str) -> Any:
     name: of what they belong to. named: that with its settings, as messages call it.
     """
     fields = {field.name: field for field in attrs.fields(kind)}
-    kinds = get_type_hints(kind)
+    kinds = get_type_hints(kind) if text else {}
     values: dict[str, Any] = {}
     for part in filter(None, (piece.strip() for piece in text.split(","))):
         key, equals, value = (piece.strip() for piece in part.partition("="))

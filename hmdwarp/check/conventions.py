@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import attrs
@@ -90,6 +91,7 @@ class Answer:
         }
 
 
+@lru_cache(256)
 def differences(reading: Reading) -> tuple[str, ...]:
     """Return the names of the conventions in which a reading differs from what is stated.
 

@@ -332,23 +332,24 @@ def _along_of(view: View, uv: Array) -> Array:
 
 def sampled(picture: Array, uv: Array) -> Array:
     """Return a picture's values at places, bilinear; NaN outside."""
-    high, wide = picture.shape
+    (high, wide), within = picture.shape, inside(uv)
     where = np.stack([uv[..., 1] * high - 0.5, uv[..., 0] * wide - 0.5])
-    found = ndimage.map_coordinates(picture, np.nan_to_num(where, nan=-9.0), order=1, mode="nearest")
-    return np.where(inside(uv), found, np.nan)
+    found = ndimage.map_coordinates(picture, np.where(within, where, 0.0), order=1, mode="nearest")
+    return np.where(within, found, np.nan)
 
 
 def nearest_at(picture: NDArray[Any], uv: Array) -> NDArray[Any]:
     """Return a picture's values of the nearest pixels, those at the border outside."""
     high, wide = picture.shape[:2]
-    column, row = (np.clip(np.nan_to_num(uv[..., k]) * n, 0, n - 1).astype(np.intp) for k, n in enumerate((wide, high)))
+    column, row = (np.fmin(np.fmax(uv[..., k] * n, 0), n - 1).astype(np.intp) for k, n in enumerate((wide, high)))
     return np.asarray(picture[row, column])
 
 
 def inside(uv: Array) -> NDArray[np.bool_]:
     """Return which places lie in the picture."""
+    x, y = uv[..., 0], uv[..., 1]
     with np.errstate(invalid="ignore"):
-        return np.asarray(((uv > 0) & (uv < 1)).all(axis=-1))
+        return np.asarray((x > 0) & (x < 1) & (y > 0) & (y < 1))
 
 
 class Found:

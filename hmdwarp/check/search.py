@@ -45,7 +45,10 @@ class _Residuals:
 
 def _median(values: Array, default: float) -> float:
     known = values[~np.isnan(values)]
-    return float(np.median(known)) if len(known) else default
+    if not (half := len(known) // 2):
+        return float(known[0]) if len(known) else default
+    known.partition(half)  # np.median takes four times as long
+    return float(known[half] if len(known) % 2 else (known[:half].max() + known[half]) / 2)
 
 
 class Overlap:
@@ -97,11 +100,12 @@ class Overlap:
         inverse, apart = reading.inverse_depth(numbers, ray), np.exp(reading.scales)
         if reading.scales:
             inverse = inverse * apart[self._from]
-        moved = ahead @ (back @ turn[one]).transpose(0, 2, 1) + inverse[..., None] * across[:, None]
-        w = -moved[..., 2]
+        turned = (ahead @ (back @ turn[one]).transpose(0, 2, 1)).transpose(2, 0, 1)
+        x, y, z = (ray_part + inverse * way[:, None] for ray_part, way in zip(turned, across.T, strict=True))
+        w = -z
         left, right, down, up = self.stated.tangents[self._to].transpose(2, 0, 1)
         with np.errstate(divide="ignore", invalid="ignore"):
-            x, y, expected = moved[..., 0] / w, moved[..., 1] / w, inverse / w
+            x, y, expected = x / w, y / w, inverse / w
             bent = 1 + reading.bend * (x * x + y * y) if reading.bend else 1.0
             across_x, across_y = x / bent / wide[0], y / bent / wide[1]
             column = (across_x - left) / (right - left) * self._width - 0.5 - pixel[0] / self._per_pixel
@@ -170,13 +174,14 @@ class Overlap:
         if not self._between:
             at = ((frame * self._height + np.rint(line)) * self._width + np.rint(column)).astype(np.intp)
             return [picture.take(at) for picture in pictures]
-        left = np.clip(column.astype(np.intp), 0, self._width - 2)
-        top = np.clip(line.astype(np.intp), 0, self._height - 2)
-        at, x, y, found = (frame * self._height + top) * self._width + left, column - left, line - top, []
+        left = np.minimum(column.astype(np.intp), self._width - 2)
+        top = np.minimum(line.astype(np.intp), self._height - 2)
+        at, x, y = (frame * self._height + top) * self._width + left, column - left, line - top
+        after, below, before_x, before_y = at + 1, at + self._width, 1 - x, 1 - y
+        corners, found = (at, after, below, below + 1), []
         for picture in pictures:
-            upper = picture.take(at) * (1 - x) + picture.take(at + 1) * x
-            lower = picture.take(at + self._width) * (1 - x) + picture.take(at + self._width + 1) * x
-            found.append(upper * (1 - y) + lower * y)
+            first, second, third, fourth = (picture.take(place) for place in corners)
+            found.append((first * before_x + second * x) * before_y + (third * before_x + fourth * x) * y)
         return found
 
     def by_block(self, values: Array) -> Array:
@@ -310,7 +315,8 @@ class Search:
         self.middle = Overlap(stated, stated.coarse, pairs, FINE_POINTS * points, between=True)
         same = stated.coarse.numbers.shape == stated.fine.numbers.shape
         self.fine = self.middle if same else Overlap(stated, stated.fine, pairs, FINE_POINTS * points, between=True)
-        self.score = lru_cache(None)(self._score_of)
+        self.score, self._middle = lru_cache(None)(self._score_of), lru_cache(None)(self._middle_of)
+        self._low = float(np.percentile(_near(stated.coarse.inverse), 5))
         self._fits: dict[tuple[Reading, tuple[str, ...]], Fitted] = {}
 
     def _score_of(self, reading: Reading) -> float:
@@ -412,19 +418,22 @@ class Search:
 
     def farthest(self, reading: Reading) -> float:
         """Return the inverse depth that all but a few pixels exceed, without the offset."""
-        return abs(float(np.percentile(_near(self.stated.coarse.inverse), 5) * reading.factor))
+        return abs(self._low * reading.factor)
 
     def steps(self, reading: Reading) -> dict[str, float]:
         """Return the numbers that may be fitted, each with a small difference."""
-        base = self.stated.coarse.inverse if reading.kind == METRES else self.stated.coarse.numbers
         # What the inverse depth of the median pixel is over that of the farthest.
-        span = abs(float(np.median(_near(base - reading.end)) * reading.factor))
+        span = abs(self._middle(reading.kind, reading.end) * reading.factor)
         steps = {"factor": 1e-3, "offset": 1e-3 * span, "along": 0.02, "pixel_x": 0.05, "pixel_y": 0.05}
         steps |= {"wide_x": 2e-3, "wide_y": 2e-3, WIDE: 2e-3, "depth_wide": 2e-3, "bend": 5e-3}
         steps |= {**dict.fromkeys(TURN, 1e-3), **dict.fromkeys(DEPTH_SHIFT, 0.05)}
         if self.stated.interval_s is not None:
             steps["late_s"] = 0.05 * self.stated.interval_s
         return steps
+
+    def _middle_of(self, kind: str, end: float) -> float:
+        base = self.stated.coarse.inverse if kind == METRES else self.stated.coarse.numbers
+        return float(np.median(_near(base - end)))
 
     def fitted(self, start: Reading, names: Sequence[str]) -> Fitted:
         """Return the reading with these numbers as the pictures have them."""

@@ -196,10 +196,11 @@ def seen(view: View, held: Array, target: View, wanted: Array, size: Size) -> ND
     y, x = np.mgrid[:high, :wide]
     pixels = np.stack([x + 0.5, y + 0.5], axis=-1)
     places, depths, _ = WarpMap.between(target, size, view, size).apply(pixels, np.maximum(wanted, 0))
-    column, row = (np.floor(np.nan_to_num(places[..., axis], nan=-1.0, posinf=-1.0, neginf=-1.0)) for axis in (0, 1))
-    inside = (column >= 0) & (column < wide) & (row >= 0) & (row < high)
-    found = held[np.where(inside, row, 0).astype(int), np.where(inside, column, 0).astype(int)]
-    nearer = found - np.nan_to_num(depths) > _NEARER * np.nan_to_num(depths) + _FLOOR
+    with np.errstate(invalid="ignore"):  # places behind are NaN, and not inside
+        column, row = np.floor(places[..., 0]), np.floor(places[..., 1])
+        inside = (column >= 0) & (column < wide) & (row >= 0) & (row < high)
+        found = held[np.where(inside, row, 0).astype(int), np.where(inside, column, 0).astype(int)]
+        nearer = found - depths > _NEARER * depths + _FLOOR
     shown: NDArray[np.bool_] = inside & ~nearer
     return shown
 
