@@ -57,14 +57,18 @@ def pytest_sessionstart() -> None:
     `scenes.get(name).build.__wrapped__()` builds it afresh.
     """
     from hmdwarp.base import recording_names
-    from hmdwarp.poses import formats
+    from hmdwarp.poses import TraceOptions, formats
     from hmdwarp.scenes import scenes
 
     read, once = formats.load_trace, functools.cache(formats.load_trace)
 
     @functools.wraps(read)
     def load_trace(name_or_path, options=None):
-        shipped = isinstance(name_or_path, str) and name_or_path in recording_names()
+        shipped = (
+            isinstance(name_or_path, str)
+            and name_or_path in recording_names()
+            and isinstance(options, TraceOptions | None)
+        )
         return (once if shipped else read)(name_or_path, options)
 
     formats.load_trace = load_trace
