@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -72,11 +73,14 @@ def _put_back(gpu: Gpu) -> None:
 
 
 def shrink() -> None:
-    """On Linux, release contexts that wait, with their programs, once the process has grown."""
+    """On Linux, release idle contexts and solved light once the process has grown."""
     statm = Path("/proc/self/statm")
     if statm.exists() and int(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") > MOST_BYTES:
         while _idle:
             _made.discard(idle := _idle.pop())
             _libraries.pop(idle, None)
             idle.release()
+        light = [vars(module) for name, module in sys.modules.items() if name.startswith("hmdwarp.cloudlight.")]
+        for cached in [each for names in light for each in names.values() if hasattr(each, "cache_clear")]:
+            cached.cache_clear()
         context._heap_trim()(0)
