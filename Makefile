@@ -30,9 +30,9 @@ SOAK_SECONDS = 3600
 CROWD_SECONDS = 600
 # And of stalls and cuts of a page in a browser.
 WEB_ROUNDS = 3000
-# Two workers even on two cores, which llvmpipe alone cannot keep busy. Whichever is done first takes
-# half of what the other has left, so neither works alone at the end.
-PYTEST_OPTIONS = -n 2 --dist worksteal
+# Three workers, also on two cores: many tests wait for a headset's runtime, a browser or a program.
+# Whichever is done first takes half of what another has left, so none works alone at the end.
+PYTEST_OPTIONS = -n 3 --dist worksteal
 
 HMDWARP = .venv/bin/hmdwarp
 
