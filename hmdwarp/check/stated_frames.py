@@ -126,7 +126,7 @@ class Stated:
         from scipy.ndimage import gaussian_filter
 
         height, width = (side // step * step for side in self.frames[0].depth.shape)
-        colours = [frame.colour[:height, :width].astype(np.float64) for frame in self.frames]
+        colours = (frame.colour[:height, :width].astype(np.float64) for frame in self.frames)
         grey = np.array([colour @ (0.299, 0.587, 0.114) for colour in colours])
         grey = grey.reshape(len(grey), height // step, step, width // step, step).mean(axis=(2, 4))
         fine, mean = (gaussian_filter(grey, (0, radius, radius)) for radius in blur)
@@ -137,8 +137,8 @@ class Stated:
         cleared = depth == 1
         if self.may_be_buffer and (np.isfinite(depth) & ~cleared).any(axis=(1, 2)).all():
             depth[cleared] = np.nan  # a buffer has sky at its far plane, where it is not
-        around = np.stack([depth[:, y : y - 1 or None, x : x - 1 or None] for y in (0, 1) for x in (0, 1)])
-        low, high = around.min(axis=0), around.max(axis=0)
+        around = [depth[:, y : y - 1 or None, x : x - 1 or None] for y in (0, 1) for x in (0, 1)]
+        low, high = functools.reduce(np.minimum, around), functools.reduce(np.maximum, around)
         smooth = np.zeros(depth.shape, bool)
         with np.errstate(invalid="ignore", divide="ignore"):
             # What a buffer holds of far things is near 1.
