@@ -216,7 +216,7 @@ def suite(folder: Path, *ready: str) -> None:
     data = read(ready)[0] if ready else hmdwarp("bench --suite brief", folder / "suite", "bench.json")
     about, rows = data["suite"], data["suite"]["over_all"]
     heads = ["latency ms", "warp", "fill", "FLIP", "FLIP p95", "behind the best", "PSNR dB", "PSNR where seen", "rank"]
-    heads += ["best in %", "FLIP, fitted on", "FLIP, held out"]
+    heads += ["best in %", "FLIP, fitted on", "FLIP, held out", "behind, held out"]
     counts = "{} heads, {} scenes".format(max(row["heads"] for row in rows), max(row["scenes"] for row in rows))
     told = f"Suite `{about['name']}` {about['version']}, {counts}, {data['rows'][0]['frames']} pictures a case."
     told += "\nEach warp with its better fill, `iterative` with both."
@@ -246,6 +246,7 @@ def _suite_cells(row: Mapping[str, Any]) -> list[str]:
         *(_ranged(row["flip"], ".3f"), format(row["flip"]["p95"], ".3f"), _ranged(row["behind"], ".3f", "+")),
         *(_ranged(row["psnr_db"], ".2f"), _ranged(row["where_seen_db"], ".2f"), *_ranks(row)),
         *(format(row["halves"][half]["flip"], ".3f") for half in ("fit", "held_out")),
+        _ranged(row["halves"]["held_out"]["behind"], ".3f", "+"),
     ]
 
 

@@ -53,10 +53,10 @@ def compared_entry(name: str, rows: Iterable[Row]) -> dict[str, Any]:
 def over_all(rows: Iterable[Row]) -> list[dict[str, Any]]:
     """Return the means of each method at each latency, over all heads and scenes, the best first.
 
-    By measure {mean, interval, p95 of all pictures}; `behind`: how much more FLIP it
-    has than the best of its latency in the same cases; `halves`: see half_of; `where_seen_db`: PSNR
-    where the late frame saw what the eye should see; `rank` {best, interval}: the share of draws in
-    which it is the best by FLIP, and its rank in 95 % of them. The oracle is not ranked.
+    By measure {mean, interval, p95 of all pictures}; `behind`: how much more FLIP it has than the
+    best of its latency in the same cases, also of each of `halves`: see half_of; `where_seen_db`:
+    PSNR where the late frame saw what the eye should see; `rank` {best, interval}: the share of
+    draws in which it is the best by FLIP, and its rank in 95 % of them. The oracle is not ranked.
     """
     by_latency: dict[float, dict[Method, list[Row]]] = {}
     for row in rows:
@@ -84,15 +84,19 @@ def _entry(group: Sequence[Row], best_of: Mapping[tuple[str, str], float]) -> di
     halves = {half: [row for row in group if half_of(*_case(row)) == half] for half in (FIT, HELD_OUT)}
     entry["halves"] = {
         half: {"cases": len(rows), **{name: _mean(_values(rows, name)) if rows else None for name in MEASURES}}
+        | {"behind": _behind(rows, best_of)}
         for half, rows in halves.items()
     }
-    both = [
-        (_case(row), flip) for row, flip in zip(group, _values(group, PRIMARY), strict=True) if _case(row) in best_of
-    ]
-    entry["behind"] = _Clusters.of(case for case, _ in both).mean([flip - best_of[case] for case, flip in both])
+    entry["behind"] = _behind(group, best_of)
     seen = [row["where_seen"]["psnr_db"] for row in group if "where_seen" in row]
     entry["where_seen_db"] = clusters.mean(seen) if len(seen) == len(group) else None
     return entry
+
+
+def _behind(group: Sequence[Row], best_of: Mapping[tuple[str, str], float]) -> dict[str, Any] | None:
+    both = [row for row in group if _case(row) in best_of]
+    apart = [flip - best_of[_case(row)] for row, flip in zip(both, _values(both, PRIMARY), strict=True)]
+    return _Clusters.of(map(_case, both)).mean(apart) if both else None
 
 
 def _case(row: Row) -> tuple[str, str]:

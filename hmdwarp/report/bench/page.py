@@ -118,24 +118,22 @@ def suite_section(entry: Mapping[str, Any] | None) -> page.Section | None:
     """Return the means of a suite over all heads and scenes; None for no suite."""
     if not entry:
         return None
-    flip, psnr = (metrics.get(name).figure for name in ("flip", "psnr_db"))
-    behind = attrs.evolve(flip, name="behind", label="FLIP behind the best")
-    seen = attrs.evolve(psnr, name="where_seen_db", label="PSNR where seen")
-    columns = [(flip, "mean"), (flip, "p95"), (behind, "mean"), (psnr, "mean"), (psnr, "p95"), (seen, "mean")]
-    lines = []
+    flip, psnr = (metrics.get(name).figure for name in MEASURES)
+    columns = {"flip": (flip, ""), "behind": (flip, " behind the best"), "held_out": (flip, " behind, held out")}
+    columns |= {"psnr_db": (psnr, ""), "where_seen_db": (psnr, " where seen")}
+    heads, lines = [("", ""), ("", ""), ("rank", "95 %"), ("best", "%")], []
+    for name, (figure, what) in columns.items():
+        heads += [(figure.label + what, figure.unit), ("95 %", figure.unit)]
+        heads += [(f"{figure.label} p95", figure.unit)] * (name in MEASURES)
     for row in entry["over_all"]:
         line, rank = [f"{row['latency_ms']:g} ms", row_name(row), "–", "–"], row["rank"]
         if rank is not None:
             line[2:] = " to ".join(map(str, dict.fromkeys(rank["interval"]))), f"{100 * rank['best']:.0f}"
-        for figure, which in columns:
-            found = row[figure.name] or {}
-            ends = found.get("interval" if which == "mean" else f"{which}_interval")
-            line += [figure.text(found.get(which)), " to ".join(map(figure.text, ends)) if ends else "–"]
+        for name, (figure, _) in columns.items():
+            found = (row["halves"][name].get("behind") if name in row["halves"] else row[name]) or {}
+            line += [figure.text(found.get("mean")), " to ".join(map(figure.text, found.get("interval") or ())) or "–"]
+            line += [figure.text(found.get("p95"))] * (name in MEASURES)
         lines.append(line)
-    heads = [("", ""), ("", ""), ("rank", "95 %"), ("best", "%")]
-    for figure, which in columns:
-        label = figure.label if which == "mean" else f"{figure.label} {which}"
-        heads += [(label, figure.unit), ("95 %", figure.unit)]
     heading = f"Suite {entry['name']} {entry['version']}: over all heads and scenes"
     told = texts("bench")["notes"]
     floors = [
