@@ -243,10 +243,10 @@ def _ranks(row: Mapping[str, Any]) -> tuple[str, str]:
 def _suite_cells(row: Mapping[str, Any]) -> list[str]:
     return [
         *(format(row["latency_ms"], "g"), f"`{row['warp']}`", f"`{row['fill']}`"),
-        *(_ranged(row["flip"], ".3f"), format(row["flip"]["p95"], ".3f"), _ranged(row["behind"], ".3f", "+")),
+        *(_ranged(row["flip"], ".3f"), format(row["flip"]["p95"], ".3f"), _ranged(row["behind"], ".4f", "+")),
         *(_ranged(row["psnr_db"], ".2f"), _ranged(row["where_seen_db"], ".2f"), *_ranks(row)),
         *(format(row["halves"][half]["flip"], ".3f") for half in ("fit", "held_out")),
-        _ranged(row["halves"]["held_out"]["behind"], ".3f", "+"),
+        _ranged(row["halves"]["held_out"]["behind"], ".4f", "+"),
     ]
 
 
