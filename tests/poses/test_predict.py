@@ -96,12 +96,12 @@ def test_repeated_poses_do_not_slow_the_prediction_down():
     )
 
 
-@pytest.mark.parametrize("method", predictors.names())
-def test_a_head_at_rest_stays(method):
+@pytest.mark.parametrize(("method", "rested_ms"), [(name, ms) for name in predictors.names() for ms in (100, 500)])
+def test_a_head_at_rest_stays(method, rested_ms):
     track = head(100)
     still = np.minimum(np.arange(100), 50)
     rested = track.evolve(position_m=track.position_m[still], orientation_xyzw=track.orientation_xyzw[still])
-    now = int(track.time_ns[80])
+    now = int(track.time_ns[50]) + rested_ms * MS
     assert predict(rested, now, now + 50 * MS, method).pose.isclose(track.pose(50), atol=0)
 
 
