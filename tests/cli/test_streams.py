@@ -160,7 +160,7 @@ def test_record_says_what_a_full_disk_has_taken(program, tmp_path):
     done = program(
         *("record", "--source", "synthetic", "--kind", "walk", "--out", out),
         env={"PYTHONDONTWRITEBYTECODE": "1"},
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6000)),
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000)),  # written in several parts
     )
     track = load_trace(out).track
     assert done.status == 3 and "make room" in done.err, done
