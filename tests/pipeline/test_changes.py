@@ -41,13 +41,13 @@ def turned(position, rotvec) -> Pose:
 
 
 def bounds(gpu, scene, view: View, *later: tuple[View, int], drawn=None):
-    """What has changed since a frame of a view, in pixels, by a later view and instant of each.
+    """What has changed since a frame of a view, in pixels, by a later view and how much later.
     drawn: another to draw. With the frame's depth."""
     with closing(Server(gpu, drawn or scene)) as server:
-        changes = Changes(scene)
-        eye = server.draw(view, SIZE, time_ns=0)
-        changes.sent(Frame((eye,), 0))
-        return [changes.moved_px([after], at_ns) for after, at_ns in later], download(eye.inverse_depth)[::-1]
+        changes, start_ns = Changes(scene), 1_000_000_000
+        eye = server.draw(view, SIZE, time_ns=start_ns)
+        changes.sent(Frame((eye,), start_ns))
+        return [changes.moved_px([after], start_ns + ns) for after, ns in later], download(eye.inverse_depth)[::-1]
 
 
 @pytest.mark.parametrize("seed", range(12))
