@@ -50,8 +50,7 @@ def test_a_full_disk_behind_standard_output_is_told(arguments):
 
 
 @pytest.mark.parametrize(
-    ("closed", "arguments"),
-    [(">&-", LISTS[0]), ("2>&-", LISTS[0]), (ALL := ">&- 2>&- <&-", LISTS[0]), (ALL, REPLAY)],
+    ("closed", "arguments"), [(">&-", LISTS[0]), ("2>&-", LISTS[0]), (ALL := ">&- 2>&- <&-", LISTS[0]), (ALL, REPLAY)]
 )
 def test_closed_streams(closed, arguments, tmp_path):
     arguments = [*arguments, str(tmp_path / "out")] if arguments == REPLAY else arguments

@@ -58,9 +58,7 @@ def nothing_has_depth(gpu, name):
 # Every slope is a silhouette, every average a surface that does not exist.
 CHECKERED = np.where(np.add.outer(np.arange(SIZE[1]), np.arange(SIZE[0])) % 2, 1.0, 0.2)
 twin_case(
-    "checkerboard_depth",
-    lambda gpu: Setting(gpu, CHECKERED, STEP),
-    wants=f"{TWIN}; no colour that was not there",
+    "checkerboard_depth", lambda gpu: Setting(gpu, CHECKERED, STEP), wants=f"{TWIN}; no colour that was not there"
 )
 
 

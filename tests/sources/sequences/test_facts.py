@@ -174,20 +174,14 @@ CASES: dict[str, tuple[Callable[[Path], Path], SequenceOptions]] = {
         lambda folder: made(folder, "traced", 3),
         attrs.evolve(TRACED, frames_rate_hz=10.0),
     ),
-    "axes that the trace says": (
-        changed("traced", {"trajectory.txt": lambda text: "# axes: opencv\n" + text}),
-        TRACED,
-    ),
+    "axes that the trace says": (changed("traced", {"trajectory.txt": lambda text: "# axes: opencv\n" + text}), TRACED),
     "bytes": (lambda folder: made(folder, "npz"), NONE),
     "floats": (changed("npz", {"*.npz": lambda data: data.update(colour=data["colour"] / 255)}), NONE),
     "integer_depth_scale": (changed("nerfstudio", {"transforms.json": {"integer_depth_scale": 0.002}}), NONE),
     "depth_unit_scale_factor": (changed("nerfstudio", {"transforms.json": {"depth_unit_scale_factor": 0.002}}), NONE),
     "units per metre": (changed("redwood", {"camera_intrinsic.json": {"depth_scale": 500.0}}), NONE),
     "the largest integer": (changed("npz", {"frame-0.npz": largest}, 1), NONE),
-    "the largest of 16 bits": (
-        changed("numbered", {"depth/0.png": blotted(*PART, 65535)}),
-        MILLIMETRES,
-    ),
+    "the largest of 16 bits": (changed("numbered", {"depth/0.png": blotted(*PART, 65535)}), MILLIMETRES),
     "the same, far": (
         changed("numbered", {"depth/0.png": blotted(*PART, 65535)}),
         attrs.evolve(MILLIMETRES, no_depth="far"),
@@ -346,6 +340,13 @@ def test_the_zeros_say_how_poses_are_written(form, tmp_path):
         moved = expected.pose.position_m - taken(1)[0].pose.position_m
         assert one.pose.isclose(attrs.evolve(expected.pose, position_m=moved), 1e-9)
     assert ("columns" in form) == ("by columns" in fact(found, "camera pose")[0])
+
+
+@pytest.mark.parametrize(("most", "no_depth"), [(4095, 65535), (10_000, 10_000)])
+def test_a_pgm_states_its_largest_level_which_with_all_bits_set_is_no_depth(most, no_depth, tmp_path):
+    levels = np.arange(most + 1, dtype=">u2")
+    (tmp_path / "a.pgm").write_bytes(b"P5\n%d 1\n%d\n" % (most + 1, most) + levels.tobytes())
+    assert sequences.read_depth(tmp_path / "a.pgm").tolist() == [[*range(most), no_depth]]
 
 
 @pytest.mark.parametrize("seed", range(12))
