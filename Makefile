@@ -103,7 +103,7 @@ test-soak: setup  ## the feed for an hour, a page for 3,000 rounds over a link t
 	@.venv/bin/python docs/measure/soak_web.py --seconds $(CROWD_SECONDS)
 	@WEB_ROUNDS=$(WEB_ROUNDS) .venv/bin/python -m pytest tests/web/test_page.py -q -s -o faulthandler_timeout=0 -k stalls_and_cuts $(OPTIONS)
 
-test-faults: setup  ## plant 165 small faults in a copy, one at a time, and say which the tests miss: hours (OPTIONS="--room poses")
+test-faults: setup  ## plant 166 small faults in a copy, one at a time, and say which the tests miss: hours (OPTIONS="--room poses")
 	@nice -n 19 .venv/bin/python tests/faults/run.py $(OPTIONS)
 
 fuzz: SECONDS = 120

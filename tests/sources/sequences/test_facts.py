@@ -128,6 +128,7 @@ def transparent(colour: np.ndarray) -> np.ndarray:
 
 
 PART = slice(5, 8), slice(6, 12)
+MIDDLE = np.pad(np.ones((1, 1), np.uint16), 1)  # of nine pixels
 LACKS_DEPTH = {"transforms.json": lambda data: data["frames"][1].pop("depth_file_path")}
 # What writes a folder, and with which options it is read.
 CASES: dict[str, tuple[Callable[[Path], Path], SequenceOptions]] = {
@@ -139,6 +140,7 @@ CASES: dict[str, tuple[Callable[[Path], Path], SequenceOptions]] = {
     "seven_scenes": (of_size("seven_scenes", (640, 480)), NONE),
     "depth of a telephone": (lambda folder: made(folder, "stray_scanner", 1, stride=2), NONE),
     "depth of half the pixels": (changed("pictures", {"*.depth.png": lambda depth: depth[::2, ::2]}), NONE),
+    "depth of more pixels": (changed("pictures", {"*.depth.png": lambda depth: np.kron(depth, MIDDLE)}), NONE),
     "colour shrunk to its depth": (changed("scannet", {"intrinsic/intrinsic_color.txt": LARGER}), NONE),
     "a focus that breathes": (lambda folder: made(folder, "stray_scanner", 3, focus=(1, 1.002, 1.004)), NONE),
     "a focus that moves": (lambda folder: made(folder, "stray_scanner", 3, focus=(1.0, 1.1, 1.2)), NONE),
