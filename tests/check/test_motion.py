@@ -298,7 +298,7 @@ def test_a_frame_is_made_of_vectors_in_any_convention_and_of_a_space_that_moves(
             assert one.psnr_db > one.without_vectors_db + 2 > one.as_it_was_db + 8
             assert abs(one.psnr_db - other.psnr_db) < 0.05  # velocities are halves
         assert ways[0][2].truth is None and ways[0][2].time_ns == frames[3].time_ns + STEP_NS
-        assert np.ptp([way[2].colour.astype(int) for way in ways], axis=0).max() <= 2  # velocities are halves
+        assert np.ptp([way[2].colour.astype(int) for way in ways], axis=0).max() <= 2  # halves: 1, rounding: 1
 
 
 def test_the_command_writes_frames_and_their_error(true, tmp_path):
